@@ -1,0 +1,1 @@
+"""Methods: arrays in, delay estimates out; windows and bounds."""

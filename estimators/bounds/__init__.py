@@ -1,0 +1,1 @@
+"""Bounds and exact statistics of interferometric delay estimates."""

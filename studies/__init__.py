@@ -1,0 +1,1 @@
+"""Questions: sweeps, tables, plots, the command line."""
