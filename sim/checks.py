@@ -1,0 +1,69 @@
+"""One-line complaints about values that cannot be."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+
+def finite(name: str, value: float, unit: str = "") -> float:
+    """Return `value` as a float; ValueError unless it is a finite real number."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} is {value!r}; it must be a number{_in(unit)}") from None
+    if not math.isfinite(number):
+        raise ValueError(f"{name} is {number:g}; it must be finite")
+    return number
+
+
+def positive(name: str, value: float, unit: str = "") -> float:
+    """Return `value` as a float; ValueError unless it is finite and above zero."""
+    number = finite(name, value, unit)
+    if number <= 0:
+        raise ValueError(f"{name} is {number:g}{_of(unit)}; it must be above 0{_of(unit)}")
+    return number
+
+
+def within(name: str, value: float, low: float, high: float, unit: str = "") -> float:
+    """Return `value` as a float; ValueError unless low <= value <= high."""
+    number = finite(name, value, unit)
+    if not low <= number <= high:
+        raise ValueError(f"{name} is {number:g}{_of(unit)}; it must lie between {low:g} and {high:g}{_of(unit)}")
+    return number
+
+
+def count(name: str, value: int, least: int = 1) -> int:
+    """Return `value` as an int; ValueError unless it is a whole number of at least `least`."""
+    try:
+        whole = not isinstance(value, bool) and int(value) == value
+    except (TypeError, ValueError, OverflowError):
+        whole = False
+    if not whole or value < least:
+        raise ValueError(f"{name} is {value!r}; it must be a whole number of at least {least}")
+    return int(value)
+
+
+def generator(rng: object) -> np.random.Generator:
+    """Return `rng`; TypeError unless it is a numpy.random.Generator."""
+    if not isinstance(rng, np.random.Generator):
+        raise TypeError(f"rng is {rng!r}; it must be a numpy.random.Generator, as from numpy.random.default_rng(seed)")
+    return rng
+
+
+def finite_samples(name: str, array: np.ndarray[Any, Any]) -> None:
+    """ValueError unless every sample is finite; it says how many are not, and where the first stands."""
+    bad = ~np.isfinite(array)
+    if bad.any():
+        first = tuple(int(i) for i in np.argwhere(bad)[0])
+        raise ValueError(
+            f"{name} has {int(bad.sum())} samples that are not finite, the first at {first}; every sample must be finite"
+        )
+
+
+def _in(unit: str) -> str:
+    return f" in {unit}" if unit else ""
+
+
+def _of(unit: str) -> str:
+    return f" {unit}" if unit else ""

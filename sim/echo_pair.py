@@ -1,0 +1,114 @@
+"""What two receivers recorded, and what is known of it."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim import checks
+from sim.band import Real, TimeGrid
+from sim.geometry import Geometry
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What a perfect estimator would find, on the time grid of the primary.
+
+    Attributes
+    ----------
+    delay
+        Delay of the secondary behind the primary as the pair stands (after registration, where it was
+        registered) [s]; shape (time,) or (rows, 1). NaN where it is not unique: in shadow and layover.
+    height
+        Height above the reference plane [m], NaN likewise; None for a homogeneous patch.
+    shadow
+        Where a receiver sees no seabed at all; shape (time,).
+    layover
+        Where a receiver sees more than one part of the seabed at once; shape (time,).
+    branches
+        Delays of all parts of the seabed that the primary sees at a time [s], shape (branch, time), NaN
+        where a branch is not seen.
+    """
+
+    delay: Real
+    height: Real | None = None
+    shadow: NDArray[np.bool_] | None = None
+    layover: NDArray[np.bool_] | None = None
+    branches: Real | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class EchoPair:
+    """Matched-filtered complex-baseband series of both receivers.
+
+    The convention is `secondary(t + delay) ~ primary(t) exp(-2 pi i fc delay)`.
+
+    Parameters
+    ----------
+    primary, secondary
+        Complex arrays of one shape, axes (along_track, time); a single row may be given as a vector.
+    sample_rate
+        Samples per second [Hz], at least the bandwidth.
+    centre_frequency, bandwidth
+        `fc` and `B` of the band [Hz].
+    truth
+        What was simulated, where that is known.
+    geometry
+        Where the series were recorded, where that is known; gives heights.
+    circular
+        The record is periodic in time: after the last sample comes the first. So are simulated records;
+        measured ones are not.
+
+    Raises
+    ------
+    ValueError
+        For a value that cannot be, for shapes that differ and for samples that are not finite.
+    """
+
+    primary: NDArray[Any]
+    secondary: NDArray[Any]
+    sample_rate: float
+    centre_frequency: float
+    bandwidth: float
+    truth: Truth | None = None
+    geometry: Geometry | None = None
+    circular: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("primary", "secondary"):
+            series = np.atleast_2d(np.asarray(getattr(self, name)))
+            if series.ndim != 2 or series.size == 0:
+                raise ValueError(f"{name} has the shape {series.shape}; it must be (along_track, time), not empty")
+            if not np.issubdtype(series.dtype, np.complexfloating):
+                raise ValueError(f"{name} is of type {series.dtype}; it must be complex")
+            checks.finite_samples(name, series)
+            object.__setattr__(self, name, series)
+        if self.primary.shape != self.secondary.shape:
+            raise ValueError(
+                f"primary has the shape {self.primary.shape} and secondary {self.secondary.shape}; they must be equal"
+            )
+        checks.positive("sample_rate", self.sample_rate, "Hz")
+        checks.positive("centre_frequency", self.centre_frequency, "Hz")
+        checks.positive("bandwidth", self.bandwidth, "Hz")
+        if self.bandwidth > self.sample_rate:
+            raise ValueError(
+                f"bandwidth is {self.bandwidth:g} Hz; it must not exceed the sample rate, {self.sample_rate:g} Hz"
+            )
+        if self.bandwidth >= 2 * self.centre_frequency:
+            raise ValueError(
+                f"bandwidth is {self.bandwidth:g} Hz; it must be below twice the centre frequency, "
+                f"{2 * self.centre_frequency:g} Hz"
+            )
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows along track, samples in time)."""
+        rows, samples = self.primary.shape
+        return rows, samples
+
+    @property
+    def grid(self) -> TimeGrid:
+        """The instants of the samples."""
+        start = 0.0 if self.geometry is None else self.geometry.start
+        return TimeGrid(self.shape[1], self.sample_rate, start)
