@@ -68,7 +68,7 @@ class Band:
             )
         if self.bandwidth * self.grid.period < 1:
             raise ValueError(
-                f"the series lasts {self.grid.period:g} s; it must last at least 1 / bandwidth, {1 / self.bandwidth:g} s"
+                f"the series lasts {self.grid.period:g} s; it must last 1 / bandwidth = {1 / self.bandwidth:g} s"
             )
 
     @cached_property
@@ -110,6 +110,5 @@ class Band:
 
 def circular_gaussian(shape: tuple[int, ...], rng: np.random.Generator) -> Complex:
     """Independent circular complex Gaussian numbers of unit mean power."""
-    parts = rng.standard_normal((*shape, 2))
-    numbers: Complex = parts.view(np.complex128)[..., 0] * np.sqrt(0.5)
-    return numbers
+    parts: Real = rng.standard_normal((*shape, 2))
+    return (parts[..., 0] + 1j * parts[..., 1]) * np.sqrt(0.5)

@@ -57,7 +57,7 @@ def finite_samples(name: str, array: np.ndarray[Any, Any]) -> None:
     if bad.any():
         first = tuple(int(i) for i in np.argwhere(bad)[0])
         raise ValueError(
-            f"{name} has {int(bad.sum())} samples that are not finite, the first at {first}; every sample must be finite"
+            f"{name} has {int(bad.sum())} samples that are not finite, the first at {first}; all must be finite"
         )
 
 

@@ -87,12 +87,13 @@ class Geometry:
         array
             Delay [s].
         """
-        time_secondary = np.asarray(time_secondary, dtype=float)
+        time, time_secondary = np.asarray(time, dtype=float), np.asarray(time_secondary, dtype=float)
         registered = time_secondary - plane_delay(self.sonar, time)
         # A contraction by D H / (2 r^2) a turn, at most 0.01 at the sonar's own altitude.
         for _ in range(8):
             registered = time_secondary - plane_delay(self.sonar, registered)
-        return registered - time
+        left: Real = registered - time
+        return left
 
     def height(self, time: ArrayLike, delay: ArrayLike) -> Real:
         """Height of the seabed from a delay as registration left it.
