@@ -1,1 +1,20 @@
 """Methods: arrays in, delay estimates out; windows and bounds."""
+
+from estimators import bounds
+from estimators.cross_correlation import CrossCorrelation
+from estimators.estimate import DelayEstimate, Estimator
+from estimators.interferogram import Interferogram
+from estimators.phase_slope import FullBandPhaseSlope
+from estimators.split_spectrum import SplitSpectrum
+from estimators.windows import FixedWindow
+
+__all__ = [
+    "CrossCorrelation",
+    "DelayEstimate",
+    "Estimator",
+    "FixedWindow",
+    "FullBandPhaseSlope",
+    "Interferogram",
+    "SplitSpectrum",
+    "bounds",
+]

@@ -105,10 +105,14 @@ class Band:
 
     def noise(self, rows: int, rng: np.random.Generator) -> Complex:
         """Spectra of circular Gaussian series of unit power that fill the band, shape (rows, bins)."""
-        return circular_gaussian((rows, self.harmonics.size), rng) * np.sqrt(self.weights / self.weights.sum())
+        noise: Complex = circular_gaussian((rows, self.harmonics.size), rng) * np.sqrt(
+            self.weights / self.weights.sum()
+        )
+        return noise
 
 
 def circular_gaussian(shape: tuple[int, ...], rng: np.random.Generator) -> Complex:
     """Independent circular complex Gaussian numbers of unit mean power."""
     parts: Real = rng.standard_normal((*shape, 2))
-    return (parts[..., 0] + 1j * parts[..., 1]) * np.sqrt(0.5)
+    numbers: Complex = (parts[..., 0] + 1j * parts[..., 1]) * np.sqrt(0.5)
+    return numbers

@@ -1,0 +1,52 @@
+"""What an estimator is, and what it gives."""
+
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim import EchoPair
+from sim.band import Real
+
+
+@dataclass(frozen=True, eq=False)
+class DelayEstimate:
+    """Delay of the secondary behind the primary at every sample, and how far it can be trusted.
+
+    All arrays have the shape of the pair, (along_track, time), and are finite where `valid`.
+
+    Attributes
+    ----------
+    delay
+        Absolute delay [s].
+    phase
+        The same delay as the interferometric phase tells it, `2 pi fc delay` modulo `2 pi` [rad], in (-pi, pi].
+    coherence
+        Sample coherence at that delay, 0 to 1; biased upward, and always 1 for a single look.
+    delay_std
+        Predicted standard deviation of the delay while the wrap is right [s]: the Cramér-Rao bound at the debiased
+        coherence, at most the spread of a guess within the search range.
+    wrap_error_probability
+        Predicted probability that the delay is off by half a wrap or more.
+    quality
+        0 (worthless) to 1: sample coherence times `I / (I + mean I)`, the brightness `I` of the window.
+    valid
+        Where the window lay inside the record, held any echo, and the search ended inside its range.
+    """
+
+    delay: Real
+    phase: Real
+    coherence: Real
+    delay_std: Real
+    wrap_error_probability: Real
+    quality: Real
+    valid: NDArray[np.bool_]
+
+
+@runtime_checkable
+class Estimator(Protocol):
+    """Anything that turns a pair of echoes into delays."""
+
+    def estimate(self, pair: EchoPair) -> DelayEstimate:
+        """Estimate the delay at every sample of a pair."""

@@ -1,0 +1,175 @@
+"""From a pair to delays: the steps that all methods share."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from estimators import bounds
+from estimators.estimate import DelayEstimate
+from estimators.lag_product import lag_stack, power
+from estimators.peak import STENCIL, Index, Peak, moved_to, peak_at
+from estimators.uncertainty import WrapErrors, predicted_std, predicted_wrap_errors
+from estimators.windows import FixedWindow
+from sim import EchoPair, checks
+from sim.band import Complex, Real
+
+BLOCK_BYTES = 2**27
+"""Size that the lag products of one block of rows may take."""
+
+
+def search_range(pair: EchoPair, search: float | None, resolutions: float) -> float:
+    """Largest delay to look for [s]: as given, or so many times `1 / B`, within half the record.
+
+    Raises
+    ------
+    ValueError
+        For a range of 0 or less, or beyond half the record.
+    """
+    half_record = pair.grid.period / 2
+    if search is None:
+        return min(resolutions / pair.bandwidth, half_record)
+    if checks.positive("search", search, "s") > half_record:
+        raise ValueError(f"search is {search:g} s; it must not exceed half the record, {half_record:g} s")
+    return search
+
+
+def search_peaks(
+    pair: EchoPair,
+    window: FixedWindow,
+    search: float,
+    lags_per_resolution: int,
+    pick: Callable[[Real], Index],
+    refine: bool,
+) -> Peak:
+    """Peak of the windowed lag product at every pixel.
+
+    With refinement the product is read again at the delay that the phase of the peak allows: the phase at the peak of
+    the magnitude still moves with the error of that peak where the speckle's spectrum is off centre.
+
+    Parameters
+    ----------
+    pair, window
+        The echoes, and what to average over.
+    search
+        Largest delay [s].
+    lags_per_resolution
+        Lags in `1 / B`, at least 4.
+    pick
+        Chooses a lag from the squared magnitudes within the search range, shape (lag, rows, time).
+    refine
+        Whether the peak is moved to the nearest delay that its phase allows.
+    """
+    factor = int(np.ceil(2 * lags_per_resolution * pair.bandwidth / pair.sample_rate))
+    lags_per_second = factor * pair.sample_rate / 2
+    margin = STENCIL + int(np.ceil(0.5 / pair.centre_frequency * lags_per_second))
+    reach = max(int(np.ceil(search * lags_per_second)), 1) + margin
+
+    def peaks(primary: Complex, secondary: Complex) -> Peak:
+        stack = lag_stack(primary, secondary, window, factor, reach, pair.sample_rate)
+        peak = peak_at(stack, pick(power(stack.products[margin:-margin])) + margin)
+        return moved_to(peak, stack, refined_delay(peak, pair.centre_frequency)) if refine else peak
+
+    bytes_per_sample = 40 * (2 * reach + 1) + 48 * factor
+    return by_rows(pair, window, int(np.ceil(2 * reach / factor)), bytes_per_sample, peaks)
+
+
+def by_rows(
+    pair: EchoPair,
+    window: FixedWindow,
+    lag_samples: int,
+    bytes_per_sample: int,
+    peaks: Callable[[Complex, Complex], Peak],
+) -> Peak:
+    """Apply a method to blocks of rows, with as many rows around each as the window needs.
+
+    The method sees series of double precision, scaled by a power of two towards 1, and periodic: one that is not is
+    continued by zeros for `lag_samples` and the window.
+    """
+    window.check(pair)
+    rows, samples = pair.shape
+    scales = [_scale(series) for series in (pair.primary, pair.secondary)]
+    padding = 0 if pair.circular else lag_samples + window.samples
+    block = max(1, BLOCK_BYTES // (bytes_per_sample * (samples + padding)))
+    before = window.rows // 2
+    found = []
+    for start in range(0, rows, block):
+        stop = min(start + block, rows)
+        first, last = max(start - before, 0), min(stop + window.rows - 1 - before, rows)
+        primary, secondary = (
+            np.pad(series[first:last].astype(np.complex128) * scale, ((0, 0), (0, padding)))
+            for series, scale in zip((pair.primary, pair.secondary), scales, strict=True)
+        )
+        inner = slice(start - first, stop - first)
+        found.append([array[inner, :samples] for array in peaks(primary, secondary)])
+    return Peak(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
+
+
+def _scale(series: Complex) -> float:
+    largest = float(max(np.abs(series.real).max(), np.abs(series.imag).max()))
+    return float(2.0 ** -np.frexp(largest)[1]) if largest > 0 else 1.0
+
+
+def refined_delay(peak: Peak, centre_frequency: float) -> Real:
+    """The delay nearest to a peak that its phase allows.
+
+    With the peak at `tau` and the absolute phase `phi = -arg C`: `tau + wrap(phi - 2 pi fc tau) / (2 pi fc)`.
+    """
+    cycle = 2 * np.pi * centre_frequency
+    residual = np.angle(np.exp(-1j * cycle * peak.delay) * peak.product.conj())
+    delay: Real = peak.delay + residual / cycle
+    return delay
+
+
+def describe(
+    pair: EchoPair,
+    window: FixedWindow,
+    peak: Peak,
+    *,
+    refine: bool,
+    search: float,
+    wrap_errors: WrapErrors = bounds.wrap_error_probability,
+) -> DelayEstimate:
+    """Turn peaks into estimates: residual phase, coherence, uncertainty, validity.
+
+    Parameters
+    ----------
+    pair, window
+        The echoes, and what was averaged over.
+    peak
+        The peaks found, on any scale.
+    refine
+        Whether the residual phase refines the delay.
+    search
+        Largest delay that was looked for [s].
+    wrap_errors
+        Predicts the wrap errors of the method.
+    """
+    magnitude = np.abs(peak.product)
+    has_echo = peak.energy > 0
+    coherence = np.minimum(np.divide(magnitude, peak.energy, out=np.zeros_like(magnitude), where=has_echo), 1.0)
+    looks = window.looks(pair)
+    debiased = np.asarray(bounds.debias_coherence(coherence, looks))
+    bound = (
+        bounds.coherent_delay_crlb(looks, debiased, pair.centre_frequency, pair.bandwidth)
+        if refine
+        else bounds.group_delay_crlb(looks, debiased, pair.bandwidth)
+    )
+    mean_energy = peak.energy.mean()
+    brightness = np.divide(peak.energy, peak.energy + mean_energy, out=np.zeros_like(magnitude), where=has_echo)
+    wrong = predicted_wrap_errors(
+        wrap_errors, debiased, looks, pair.bandwidth / pair.centre_frequency, search * pair.centre_frequency
+    )
+    return DelayEstimate(
+        *(
+            np.broadcast_to(array, pair.shape)
+            for array in (
+                refined_delay(peak, pair.centre_frequency) if refine else peak.delay,
+                -np.angle(peak.product),
+                coherence,
+                predicted_std(bound, search),
+                wrong,
+                coherence * brightness,
+                window.inside(pair) & peak.inside & has_echo,
+            )
+        )
+    )

@@ -1,0 +1,109 @@
+"""Split spectrum (Delta-k): the phase slope between two outer sub-bands."""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+import scipy.fft
+
+from estimators import bounds
+from estimators.estimate import DelayEstimate
+from estimators.interferogram import zero_lag
+from estimators.peak import Peak
+from estimators.search import by_rows, describe
+from estimators.windows import FixedWindow
+from sim import EchoPair, checks
+from sim.band import Complex, Real
+
+BYTES_PER_SAMPLE = 192
+
+
+@dataclass(frozen=True)
+class SplitSpectrum:
+    """Delay from the phase difference of two sub-band interferograms, refined by the full-band phase.
+
+    With sub-bands of width `b` at the ends of the band, `df` apart, and their windowed zero-lag interferograms
+    `I_low`, `I_high`: `delay = -arg(I_high I_low*) / (2 pi df)`, unambiguous within `1 / (2 df)` (paper A, section 3.3;
+    Delta-k). The phase of the full-band interferogram then refines it; it is carried from zero lag to that delay along
+    its derivative, as the speckle's spectrum is off centre within a window. The bound is the group-delay bound times
+    `sqrt(B^3 / (6 b (B - b)^2))`, least at `b = B / 3`.
+
+    Parameters
+    ----------
+    window
+        What to average over; a sub-band has only the share `b / B` of its looks.
+    sub_bandwidth
+        `b` [Hz], at most `B / 2`; `B / 3` where None.
+    refine
+        Whether the residual phase refines the delay.
+    """
+
+    window: FixedWindow
+    sub_bandwidth: float | None = None
+    refine: bool = True
+
+    def __post_init__(self) -> None:
+        if self.sub_bandwidth is not None:
+            checks.positive("sub_bandwidth", self.sub_bandwidth, "Hz")
+
+    def estimate(self, pair: EchoPair) -> DelayEstimate:
+        """Estimate the delay at every sample; ValueError where window or sub-band exceed the pair."""
+        width = pair.bandwidth / 3 if self.sub_bandwidth is None else self.sub_bandwidth
+        if width > pair.bandwidth / 2:
+            raise ValueError(
+                f"sub_bandwidth is {width:g} Hz; it must be at most half the band, {pair.bandwidth / 2:g} Hz"
+            )
+        if width * pair.grid.period < 1:
+            raise ValueError(f"sub_bandwidth is {width:g} Hz; it must hold a Fourier bin, {1 / pair.grid.period:g} Hz")
+        apart = pair.bandwidth - width
+
+        def peaks(primary: Complex, secondary: Complex) -> Peak:
+            frequencies = scipy.fft.fftfreq(primary.shape[1], 1 / pair.sample_rate)
+            shares = [_band_share(frequencies, centre, width) for centre in (-apart / 2, apart / 2)]
+            low, high = (
+                self.window.sum(_band_pass(primary, share).conj() * _band_pass(secondary, share)) for share in shares
+            )
+            spacing = np.average(frequencies, weights=shares[1]) - np.average(frequencies, weights=shares[0])
+            slope = -np.angle(high * low.conj()) / (2 * np.pi * spacing)
+            peak = zero_lag(primary, secondary, self.window)
+            turn = self.window.sum(
+                primary.conj() * _derivative(secondary, frequencies)
+                - _derivative(primary, frequencies).conj() * secondary
+            )
+            return peak._replace(delay=slope, product=_carried_to(slope, peak.product, turn / 2)).spread()
+
+        peak = by_rows(pair, self.window, 0, BYTES_PER_SAMPLE, peaks)
+        return describe(
+            pair,
+            self.window,
+            peak,
+            refine=self.refine,
+            search=0.5 / apart,
+            wrap_errors=partial(bounds.split_spectrum_wrap_error_probability, sub_band_share=width / pair.bandwidth),
+        )
+
+
+def _band_share(frequencies: Real, centre: float, width: float) -> Real:
+    """Share of each Fourier bin that lies in a band; none of the Nyquist bin, which lies at both ends."""
+    bin_width = frequencies[1]
+    share: Real = np.clip((width / 2 - np.abs(frequencies - centre)) / bin_width + 0.5, 0.0, 1.0)
+    if len(frequencies) % 2 == 0:
+        share[len(frequencies) // 2] = 0.0
+    return share
+
+
+def _derivative(series: Complex, frequencies: Real) -> Complex:
+    slope: Complex = scipy.fft.ifft(2j * np.pi * frequencies * scipy.fft.fft(series, axis=-1), axis=-1)
+    return slope
+
+
+def _carried_to(delay: Real, product: Complex, derivative: Complex) -> Complex:
+    """Lag product at a delay from its value and derivative at zero: the phase to first order, the magnitude kept."""
+    rate = np.divide(derivative, product, out=np.zeros_like(product), where=product != 0).imag
+    carried: Complex = product * np.exp(1j * rate * delay)
+    return carried
+
+
+def _band_pass(series: Complex, share: Real) -> Complex:
+    passed: Complex = scipy.fft.ifft(scipy.fft.fft(series, axis=-1) * np.sqrt(share), axis=-1)
+    return passed

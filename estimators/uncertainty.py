@@ -1,0 +1,40 @@
+"""From coherence and looks to the spread and the wrap errors that an estimate has to expect."""
+
+from collections.abc import Callable
+from functools import lru_cache
+
+import numpy as np
+
+from sim.band import Real
+
+WrapErrors = Callable[[float, Real, float], Real]
+"""Probability of a wrap error from looks, coherence and relative bandwidth."""
+
+NODES = 257
+"""Coherences at which the wrap-error probability is tabulated."""
+
+
+def predicted_std(bound: Real, search: float) -> Real:
+    """A bound's standard deviation, at most that of a guess anywhere in `-search` to `search` [s]."""
+    std: Real = np.minimum(bound, search / np.sqrt(3))
+    return std
+
+
+def predicted_wrap_errors(
+    predict: WrapErrors, coherence: Real, looks: float, relative_bandwidth: float, search_wraps: float
+) -> Real:
+    """Probability of a wrong wrap, at most that of a guess within `search_wraps` wraps on either side.
+
+    Interpolates a prediction, `estimators.bounds.wrap_error_probability` or its like, over the coherence.
+    """
+    nodes, probabilities = _wrap_error_table(predict, looks, relative_bandwidth)
+    guess = max(1 - 1 / (2 * search_wraps), 0.0)
+    predicted: Real = np.minimum(np.interp(coherence, nodes, probabilities), guess)
+    return predicted
+
+
+@lru_cache(maxsize=256)
+def _wrap_error_table(predict: WrapErrors, looks: float, relative_bandwidth: float) -> tuple[Real, Real]:
+    # Even steps in the angle whose sine is the coherence: dense where the probability falls fastest.
+    nodes = np.sin(np.linspace(0, np.pi / 2, NODES))
+    return nodes, predict(looks, nodes, relative_bandwidth)

@@ -1,0 +1,89 @@
+"""What a study is: a question, its design points, and what one block of trials measures."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import Field, dataclass
+from typing import Any, ClassVar, Protocol, Self
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure as Drawing
+from numpy.typing import NDArray
+
+from estimators import Estimator, FixedWindow
+from sim.band import Real
+
+Point = Mapping[str, Any]
+"""Parameters of one design point; what JSON can hold."""
+
+Traces = Mapping[str, Real]
+"""Arrays of one example, by name, for figures."""
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """Errors of one estimator in one block of trials.
+
+    Attributes
+    ----------
+    labels
+        What tells this measurement from others of the same design point: estimator, window, region.
+    facts
+        Numbers that belong to it: looks, bounds, predictions; the same in every block.
+    errors
+        Delay errors [s], shape (cluster, trial); clusters are independent, the trials of one need not be.
+    counts
+        Which of the errors count, same shape.
+    outliers
+        Which estimates lie outside the main lobe of the correlation, same shape.
+    seconds_per_pixel
+        Time of the estimate over the number of pixels.
+    """
+
+    labels: Mapping[str, str]
+    facts: Mapping[str, float]
+    errors: Real
+    counts: NDArray[np.bool_]
+    outliers: NDArray[np.bool_]
+    seconds_per_pixel: float
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """What one block of trials of one design point measured, and an example of it."""
+
+    measurements: Sequence[Measurement]
+    traces: Traces
+
+
+class Study(Protocol):
+    """A question that a sweep of simulations answers; its fields are the parameters that a user may set."""
+
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+    name: ClassVar[str]
+    question: ClassVar[str]
+
+    @property
+    def trials(self) -> int:
+        """Trials at each design point."""
+
+    @property
+    def block_trials(self) -> int:
+        """Trials in one block."""
+
+    def quick(self) -> Self:
+        """A smaller study of the same question, for a first look."""
+
+    def points(self) -> Sequence[Point]:
+        """The design points."""
+
+    def methods(self) -> Mapping[str, Callable[[FixedWindow], Estimator]]:
+        """The estimators that it compares, by name."""
+
+    def measure(self, point: Point, methods: Sequence[str], trials: int, rng: np.random.Generator) -> Block:
+        """Simulate trials of a point and apply the named methods to the same echoes."""
+
+    def summary(self, table: pd.DataFrame) -> pd.DataFrame:
+        """The few columns and rows that answer the question on a terminal."""
+
+    def figures(self, table: pd.DataFrame, traces: Sequence[tuple[Point, Traces]]) -> Mapping[str, Drawing]:
+        """Draw the results, by file name without its ending."""
