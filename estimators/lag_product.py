@@ -55,7 +55,7 @@ def upsampled_planes(series: Complex, factor: int) -> Complex:
     wide = np.zeros((rows, samples * factor), dtype=np.complex128)
     positive = (samples + 1) // 2
     wide[:, :positive] = spectrum[:, :positive]
-    wide[:, positive - samples :] = spectrum[:, positive:]
+    wide[:, samples * factor - samples + positive :] = spectrum[:, positive:]
     if samples % 2 == 0:
         # The Nyquist bin stands for both ends of the band.
         wide[:, -samples // 2] = wide[:, samples // 2] = spectrum[:, samples // 2] / 2

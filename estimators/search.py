@@ -89,12 +89,12 @@ def by_rows(
     rows, samples = pair.shape
     scales = [_scale(series) for series in (pair.primary, pair.secondary)]
     padding = 0 if pair.circular else lag_samples + window.samples
-    block = max(1, BLOCK_BYTES // (bytes_per_sample * (samples + padding)))
-    before = window.rows // 2
+    # Whole windows of rows, so that moving sums group the same rows whatever the block.
+    block = max(1, BLOCK_BYTES // (bytes_per_sample * (samples + padding) * window.rows)) * window.rows
     found = []
     for start in range(0, rows, block):
         stop = min(start + block, rows)
-        first, last = max(start - before, 0), min(stop + window.rows - 1 - before, rows)
+        first, last = max(start - window.rows, 0), min(stop + window.rows, rows)
         primary, secondary = (
             np.pad(series[first:last].astype(np.complex128) * scale, ((0, 0), (0, padding)))
             for series, scale in zip((pair.primary, pair.secondary), scales, strict=True)

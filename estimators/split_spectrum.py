@@ -1,7 +1,7 @@
 """Split spectrum (Delta-k): the phase slope between two outer sub-bands."""
 
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 import scipy.fft
@@ -11,6 +11,7 @@ from estimators.estimate import DelayEstimate
 from estimators.interferogram import zero_lag
 from estimators.peak import Peak
 from estimators.search import by_rows, describe
+from estimators.uncertainty import WrapErrors
 from estimators.windows import FixedWindow
 from sim import EchoPair, checks
 from sim.band import Complex, Real
@@ -79,8 +80,14 @@ class SplitSpectrum:
             peak,
             refine=self.refine,
             search=0.5 / apart,
-            wrap_errors=partial(bounds.split_spectrum_wrap_error_probability, sub_band_share=width / pair.bandwidth),
+            wrap_errors=_prediction(width / pair.bandwidth),
         )
+
+
+@lru_cache
+def _prediction(sub_band_share: float) -> WrapErrors:
+    """One object for one share, so that its table is made once."""
+    return partial(bounds.split_spectrum_wrap_error_probability, sub_band_share=sub_band_share)
 
 
 def _band_share(frequencies: Real, centre: float, width: float) -> Real:

@@ -74,8 +74,8 @@ class Geometry:
     def registered_delay(self, time: ArrayLike, time_secondary: ArrayLike) -> Real:
         """Delay that registration leaves of echoes at two times.
 
-        The registered secondary at time `u` is the recorded one at `u + plane_delay(u)`. An echo at `t_p`
-        and `t_s` is left at the delay `u - t_p`, where `u + plane_delay(u) = t_s`.
+        The registered secondary at time `u` is the recorded one at `u + plane_delay(u)`. An echo at `t_p` and `t_s` is
+        left at the delay `u - t_p`, where `u + plane_delay(u) = t_s`; that is `u = t_s - D (D + 2 H) / (c^2 t_s)`.
 
         Parameters
         ----------
@@ -88,11 +88,8 @@ class Geometry:
             Delay [s].
         """
         time, time_secondary = np.asarray(time, dtype=float), np.asarray(time_secondary, dtype=float)
-        registered = time_secondary - plane_delay(self.sonar, time)
-        # A contraction by D H / (2 r^2) a turn, at most 0.01 at the sonar's own altitude.
-        for _ in range(8):
-            registered = time_secondary - plane_delay(self.sonar, registered)
-        left: Real = registered - time
+        excess = self.sonar.baseline * (self.sonar.baseline + 2 * self.sonar.altitude)
+        left: Real = time_secondary - time - excess / (self.sonar.sound_speed**2 * time_secondary)
         return left
 
     def height(self, time: ArrayLike, delay: ArrayLike) -> Real:

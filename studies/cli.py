@@ -12,7 +12,6 @@ import pandas as pd
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-from rich.table import Table
 
 from studies import engine
 from studies.catalogue import STUDIES
@@ -128,14 +127,9 @@ def _with_progress(study: Study, how: engine.Run) -> engine.Result:
 
 
 def _show(study: Study, table: pd.DataFrame) -> None:
-    console.print(f"\n{study.name}: {study.question}")
+    console.print(f"\n{study.name}: {study.question}", soft_wrap=True)
     short = study.summary(table)
-    shown = Table(box=None, pad_edge=False)
-    for column in short.columns:
-        shown.add_column(str(column), justify="left" if short[column].dtype == object else "right")
-    for values in short.itertuples(index=False):
-        shown.add_row(*(f"{value:.4g}" if isinstance(value, float) else str(value) for value in values))
-    console.print(shown)
+    console.print(short.to_string(index=False, float_format="{:.3g}".format), soft_wrap=True)
 
 
 @contextmanager

@@ -1,16 +1,26 @@
 """Probability of picking the wrong wrap."""
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 from numpy.typing import ArrayLike
 
 from estimators.bounds.quadrature import beta_nodes
 from sim.band import Real
+
+FEW = 5
+"""Looks below which a number that is not whole is interpolated between those that are."""
+
+NARROW = 0.01
+"""Relative bandwidth below which the spectrum's shape is scaled from this one, as its variance drowns in rounding."""
 
 SHAPES = 40
 """Nodes of the average over the spectrum's shape."""
 
 ANGLES = 512
 """Nodes of the integral over the angle."""
+
+SIDE_ANGLES = 128
+"""Nodes of the integral over the angle for two sub-bands."""
 
 
 def wrap_error_probability(looks: ArrayLike, coherence: ArrayLike, relative_bandwidth: ArrayLike) -> Real:
@@ -31,7 +41,8 @@ def wrap_error_probability(looks: ArrayLike, coherence: ArrayLike, relative_band
     Parameters
     ----------
     looks
-        Independent looks, `N`, 1 or more; real numbers interpolate through the closed sums over Fourier bins.
+        Independent looks, `N`, 1 or more; from 5 on the closed sums over Fourier bins take any real number, below that
+        it is interpolated on a straight line between whole ones.
     coherence
         `gamma`, 0 to 1.
     relative_bandwidth
@@ -40,7 +51,7 @@ def wrap_error_probability(looks: ArrayLike, coherence: ArrayLike, relative_band
     Returns
     -------
     array
-        0 to 1; broadcast. NaN outside the limits.
+        0 to 1; broadcast. NaN outside the limits. 1 for a single look, whose correlation is as strong at any lag.
     """
     looks, coherence, ratio = np.broadcast_arrays(
         np.asarray(looks, dtype=float), np.asarray(coherence, dtype=float), np.asarray(relative_bandwidth, dtype=float)
@@ -54,6 +65,14 @@ def wrap_error_probability(looks: ArrayLike, coherence: ArrayLike, relative_band
 
 
 def _pair_on_both_sides(looks: float, coherence: Real, ratio: float) -> Real:
+    whole = np.floor(looks)
+    if looks < FEW and looks > whole:
+        share = looks - whole
+        low, high = (_pair_on_both_sides(n, coherence, ratio) for n in (whole, whole + 1))
+        between: Real = (1 - share) * low + share * high
+        return between
+    if looks == 1:
+        return np.ones_like(coherence)
     x, weights = _shape_nodes(looks, ratio)
     root = np.sqrt(1 - x)[:, None]
     # Midpoints of half a turn: the integrand is even and periodic.
@@ -73,8 +92,9 @@ def _shape_nodes(looks: float, ratio: float) -> tuple[Real, Real]:
     normalisation follow from its cumulants `(a + b - 1)! sum_k exp(i (a - b) theta_k)`; dividing by the moments of the
     total power, Gamma(N), gives those of `R`.
     """
-    if looks <= 1:
-        return np.array([0.0]), np.array([1.0])
+    if ratio < NARROW:
+        x, weights = _shape_nodes(looks, NARROW)
+        return x * (ratio / NARROW) ** 2, weights
     first, second = (_bin_sum(looks, turns * ratio) for turns in (1, 2))
     n = looks
     square = (n + first**2) / (n * (n + 1))
@@ -82,13 +102,17 @@ def _shape_nodes(looks: float, ratio: float) -> tuple[Real, Real]:
         n * (n + 1) * (n + 2) * (n + 3)
     )
     mean, variance = 1 - square, fourth - square**2
-    spread = mean * (1 - mean) / variance - 1
+    # Of many looks the variance is nothing but rounding.
+    spread = mean * (1 - mean) / max(variance, 1e-12 * mean * (1 - mean)) - 1
     return beta_nodes(mean * spread, (1 - mean) * spread, SHAPES)
 
 
 def _bin_sum(looks: float, turns: float) -> float:
     """`sum_k exp(2 pi i turns f_k / B)` over `N` bins that fill a band around zero."""
-    return float(np.sin(np.pi * turns) / np.sin(np.pi * turns / looks))
+    step = np.pi * turns / looks
+    if abs(np.sin(step)) < 1e-9:
+        return float(looks * np.cos(np.pi * turns) / np.cos(step))
+    return float(np.sin(np.pi * turns) / np.sin(step))
 
 
 def split_spectrum_wrap_error_probability(
@@ -132,12 +156,16 @@ def split_spectrum_wrap_error_probability(
 
 def _phases_apart(looks: float, coherence: Real, threshold: float) -> Real:
     share, weights = beta_nodes(looks, looks, SHAPES)
-    share = share[:, None]
-    t = ((np.arange(ANGLES) + 0.5) / ANGLES - 0.5) * np.pi
-    mean = np.sqrt(share * (1 - share))
-    e = 0.5 - (0.5 - share) * np.sin(t) - mean * np.cos(threshold) * np.cos(t)
+    # E is least at t = arcsin(1 - 2 share), over a width of T: equal steps of asinh((t - there) / T).
+    least = np.arcsin(np.clip(1 - 2 * share, -1, 1))[:, None]
+    first, last = (np.arcsinh((end - least) / threshold) for end in (-np.pi / 2, np.pi / 2))
+    nodes, steps = leggauss(SIDE_ANGLES)
+    u = first + (nodes + 1) / 2 * (last - first)
+    t, steps = least + threshold * np.sinh(u), steps / 2 * (last - first) * threshold * np.cosh(u)
+    # e = (1 - cos(least - t)) / 2 + cos(least) cos(t) sin^2(T/2), without cancellation.
+    e = np.sin((least - t) / 2) ** 2 + np.cos(least) * np.cos(t) * np.sin(threshold / 2) ** 2
     with np.errstate(divide="ignore"):
         q = (coherence / (1 - coherence)) * (coherence / (1 + coherence))
-        integrand = mean / e * np.exp(-2 * looks * np.log1p(q[:, None, None] * e))
-    probability: Real = np.sin(threshold) / 2 * (integrand.mean(axis=2) @ weights)
-    return probability
+        integrand = np.exp(-2 * looks * np.log1p(q[:, None, None] * e)) * (np.cos(least) / 2 / e * steps)
+    probability: Real = np.sin(threshold) / (2 * np.pi) * (integrand.sum(axis=2) @ weights)
+    return np.minimum(probability, 1.0)

@@ -143,7 +143,7 @@ class BoxScene:
     def _errors(
         self, point: Point, pair: EchoPair, name: str, window: FixedWindow, estimate: DelayEstimate, seconds: float
     ) -> list[Measurement]:
-        """Errors outside and inside layover; inside, against the nearest of the parts that are heard at once."""
+        """Errors outside layover and in it; there, against the nearest of the parts that are heard at once."""
         truth = pair.truth
         assert truth is not None
         assert truth.branches is not None
@@ -160,8 +160,8 @@ class BoxScene:
         }
         measurements = []
         for region, errors, where in (
-            ("outside layover", outside, clear(pair, window)),
-            ("in layover", inside, truth.layover & np.isfinite(truth.branches).any(axis=0)),
+            ("outside", outside, clear(pair, window)),
+            ("layover", inside, truth.layover & np.isfinite(truth.branches).any(axis=0)),
         ):
             kept = errors[:, where]
             measurements.append(
@@ -178,11 +178,18 @@ class BoxScene:
 
     def summary(self, table: pd.DataFrame) -> pd.DataFrame:
         """Share in the right wrap, outliers, and spread within the wrap [wraps]."""
-        short = table[["snr_db", "region", "estimator", "window"]].copy()
-        short["right_wrap"] = 1 - table.wrap_rate
-        short["outliers"] = table.outlier_rate
-        short["std_in_wrap"] = table.delay_std_in_wrap * self.centre_frequency
-        return short.sort_values(["snr_db", "region"], ascending=False, kind="stable")
+        short = pd.DataFrame(
+            {
+                "SNR dB": table.snr_db,
+                "region": table.region,
+                "estimator": table.estimator,
+                "window": table.window,
+                "right wrap": 1 - table.wrap_rate,
+                "outliers": table.outlier_rate,
+                "STD in wrap [wraps]": table.delay_std_in_wrap * self.centre_frequency,
+            }
+        )
+        return short.sort_values(["SNR dB", "region"], ascending=False, kind="stable")
 
     def figures(self, table: pd.DataFrame, traces: Sequence[tuple[Point, Traces]]) -> Mapping[str, Figure]:
         """Paper A's four panels, and the same scene by windowed cross-correlation; one row of the along-track."""

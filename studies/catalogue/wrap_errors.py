@@ -118,21 +118,39 @@ class WrapErrors:
         return Block(measurements, {})
 
     def summary(self, table: pd.DataFrame) -> pd.DataFrame:
-        """Wrap rates with interval and prediction, and STD over CRLB, at the middle bandwidth and every second SNR."""
+        """Wrap rate with its prediction, and STD over CRLB, at the middle bandwidth and every second SNR."""
         width = self.relative_bandwidth[len(self.relative_bandwidth) // 2]
         rows = table[np.isclose(table.relative_bandwidth, width) & table.snr_db.isin(self.snr[::2])]
-        columns = ["relative_bandwidth", "looks", "snr_db", "estimator", "wrap_rate", "wrap_rate_low", "wrap_rate_high"]
-        return rows[[*columns, "predicted_wrap_rate", "std_over_crlb"]]
+        return pd.DataFrame(
+            {
+                "B/fc": rows.relative_bandwidth,
+                "looks": rows.looks.astype(int),
+                "SNR dB": rows.snr_db,
+                "estimator": rows.estimator,
+                "wrap rate": rows.wrap_rate,
+                "from": rows.wrap_rate_low,
+                "to": rows.wrap_rate_high,
+                "predicted": rows.predicted_wrap_rate,
+                "STD/CRLB": rows.std_over_crlb,
+            }
+        )
 
     def figures(self, table: pd.DataFrame, traces: Sequence[tuple[Point, Traces]]) -> Mapping[str, Figure]:
-        """Wrap-error rate and STD over CRLB against SNR, a panel for each number of looks and bandwidth."""
+        """Wrap-error rate and STD over CRLB against SNR, a panel for each number of looks and bandwidth.
+
+        Bars are 95 % intervals; lines in the wrap rates are predictions. Points on the floor saw no wrap error.
+        """
         return {
-            "wrap-rate": self._panels(table, "wrap-error rate", _wrap_rates),
-            "std-over-crlb": self._panels(table, "in-wrap STD / CRLB", _spreads),
+            "wrap-rate": self._panels(
+                table, "wrap-error rate", "lines: predicted; bars: 95 % intervals; on the floor: none seen", _wrap_rates
+            ),
+            "std-over-crlb": self._panels(
+                table, "in-wrap STD / CRLB", "bars: 95 % intervals; black line: the bound", _spreads
+            ),
         }
 
     def _panels(
-        self, table: pd.DataFrame, quantity: str, draw: Callable[[Axes, pd.DataFrame, int, str], None]
+        self, table: pd.DataFrame, quantity: str, legend: str, draw: Callable[[Axes, pd.DataFrame, int, str], None]
     ) -> Figure:
         figure, axes = figures.grid(len(self.looks), len(self.relative_bandwidth))
         for line, looks in zip(axes, self.looks, strict=True):
@@ -146,36 +164,30 @@ class WrapErrors:
         for panel in axes[-1]:
             panel.set_xlabel("SNR [dB]")
         handles, labels = axes[0][0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=len(handles), fontsize=9)
+        figure.legend(handles, labels, loc="outside lower center", ncols=len(handles), title=legend, fontsize=9)
         return figure
 
 
+def _offset(number: int) -> float:
+    """Shift of an estimator's points along the SNR [dB], to keep their intervals apart."""
+    return 0.35 * (number - 1)
+
+
 def _wrap_rates(panel: Axes, rows: pd.DataFrame, number: int, name: str) -> None:
-    colour = figures.COLOURS[number]
-    floor = 0.5 / rows.trials.max()
-    interval = np.clip([rows.wrap_rate - rows.wrap_rate_low, rows.wrap_rate_high - rows.wrap_rate], 0, None)
-    seen = rows.wrap_errors > 0
-    panel.errorbar(
-        rows.snr_db[seen],
-        rows.wrap_rate[seen],
-        interval[:, seen],
-        color=colour,
-        marker=figures.MARKERS[number],
-        markersize=4,
-        linestyle="none",
-        capsize=2,
-        label=name,
-    )
-    panel.plot(
-        rows.snr_db, rows.predicted_wrap_rate, color=colour, linewidth=1, linestyle=("--", ":", "-.")[number % 3]
-    )
+    colour, floor = figures.COLOURS[number], 0.2 / rows.trials.max()
+    panel.plot(rows.snr_db, rows.predicted_wrap_rate, color=colour, linewidth=1, linestyle=("--", ":", "-.")[number])
+    snr = rows.snr_db + _offset(number)
+    # Without a wrap error only the upper end of the interval is known.
+    rate = rows.wrap_rate.where(rows.wrap_errors > 0, floor)
+    panel.vlines(snr, rows.wrap_rate_low.clip(lower=floor), rows.wrap_rate_high, color=colour, linewidth=1)
+    panel.plot(snr, rate, figures.MARKERS[number], color=colour, markersize=4, label=name)
     panel.set_yscale("log")
     panel.set_ylim(floor, 1.2)
 
 
 def _spreads(panel: Axes, rows: pd.DataFrame, number: int, name: str) -> None:
     panel.errorbar(
-        rows.snr_db,
+        rows.snr_db + _offset(number),
         rows.std_over_crlb,
         1.96 * rows.std_over_crlb_se,
         color=figures.COLOURS[number],
@@ -186,4 +198,4 @@ def _spreads(panel: Axes, rows: pd.DataFrame, number: int, name: str) -> None:
         label=name,
     )
     panel.axhline(1.0, color="black", linewidth=0.8)
-    panel.set_ylim(0.0, 3.0)
+    panel.set_ylim(0.6, 1.6)

@@ -1,0 +1,7 @@
+#!/bin/sh
+# Installs twinecho in .venv where needed, checks style and types, and passes the tests; arguments go to pytest.
+. "$(dirname "$0")/setup.sh"
+.venv/bin/ruff check --quiet
+.venv/bin/ruff format --check --quiet
+.venv/bin/mypy --no-error-summary
+exec .venv/bin/python -m pytest "$@"

@@ -1,0 +1,152 @@
+"""What must hold for every estimator."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from estimators import CrossCorrelation, Estimator, FixedWindow, FullBandPhaseSlope, Interferogram, SplitSpectrum
+
+METHODS = {
+    "interferogram": Interferogram,
+    "cross-correlation": CrossCorrelation,
+    "cross-correlation-group": lambda window: CrossCorrelation(window, refine=False),
+    "split-spectrum": SplitSpectrum,
+    "phase-slope": lambda window: FullBandPhaseSlope(window, lags_per_resolution=8),
+    "phase-slope-strongest": lambda window: FullBandPhaseSlope(window, peak="strongest", lags_per_resolution=8),
+}
+WRAP = 1 / 100e3
+
+method = pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
+
+PATCH = {
+    "samples": st.integers(24, 60),
+    "coherence": st.floats(0.0, 0.999),
+    "relative_bandwidth": st.floats(0.01, 1.9),
+    "oversampling": st.floats(1.0, 3.0),
+    "seed": st.integers(0, 2**32 - 1),
+    "circular": st.booleans(),
+}
+WINDOW = st.builds(FixedWindow, st.integers(1, 3), st.integers(1, 24))
+
+
+@method
+@settings(max_examples=25, deadline=None)
+@given(options=st.fixed_dictionaries(PATCH), window=WINDOW)
+def test_swapping_the_receivers_negates_the_delay(make_patch, method, options, window):
+    pair = make_patch(delay=0.3e-5, **options)
+    there = method(window).estimate(pair)
+    back = method(window).estimate(replace(pair, primary=pair.secondary, secondary=pair.primary))
+    np.testing.assert_allclose(there.delay, -back.delay, atol=1e-7 * WRAP)
+    np.testing.assert_allclose(there.coherence, back.coherence, atol=1e-9)
+    np.testing.assert_array_equal(there.valid, back.valid)
+
+
+@method
+@settings(max_examples=25, deadline=None)
+@given(
+    options=st.fixed_dictionaries(PATCH), window=WINDOW, exponent=st.floats(-150.0, 150.0), phase=st.floats(-3.14, 3.14)
+)
+def test_a_common_gain_or_phase_changes_nothing(make_patch, method, options, window, exponent, phase):
+    pair = make_patch(delay=0.3e-5, **options)
+    factor = 10.0**exponent * np.exp(1j * phase)
+    plain = method(window).estimate(pair)
+    scaled = method(window).estimate(replace(pair, primary=factor * pair.primary, secondary=factor * pair.secondary))
+    for name in ("delay", "delay_std"):
+        np.testing.assert_allclose(getattr(scaled, name), getattr(plain, name), atol=1e-7 * WRAP, rtol=1e-7)
+    np.testing.assert_allclose(np.exp(1j * scaled.phase), np.exp(1j * plain.phase), atol=1e-7)
+    np.testing.assert_allclose(scaled.coherence, plain.coherence, atol=1e-9)
+    np.testing.assert_array_equal(scaled.valid, plain.valid)
+
+
+@method
+@settings(max_examples=25, deadline=None)
+@given(options=st.fixed_dictionaries(PATCH), window=WINDOW)
+def test_what_is_reported_lies_within_its_limits(make_patch, method, options, window):
+    pair = make_patch(**options)
+    estimate = method(window).estimate(pair)
+    for name in ("delay", "phase", "coherence", "delay_std", "wrap_error_probability", "quality", "valid"):
+        assert getattr(estimate, name).shape == pair.shape
+    for name in ("coherence", "wrap_error_probability", "quality"):
+        value = getattr(estimate, name)[estimate.valid]
+        assert np.all((value >= 0) & (value <= 1))
+    assert np.all(np.isfinite(estimate.delay[estimate.valid]))
+    assert np.all(np.abs(estimate.phase) <= np.pi)
+    assert np.all((estimate.delay_std >= 0) & (estimate.delay_std < 1.0))
+
+
+@pytest.mark.parametrize(
+    "estimator",
+    [
+        Interferogram(FixedWindow(1, 64)),
+        CrossCorrelation(FixedWindow(1, 64)),
+        CrossCorrelation(FixedWindow(1, 64), refine=False),
+        SplitSpectrum(FixedWindow(1, 64)),
+        FullBandPhaseSlope(FixedWindow(1, 64)),
+    ],
+    ids=lambda e: f"{type(e).__name__}-{getattr(e, 'refine', True)}",
+)
+@settings(max_examples=30, deadline=None)
+@given(
+    delay=st.floats(-0.45, 0.45), more=st.floats(-0.45, 0.45), seed=st.integers(0, 2**32 - 1), rows=st.integers(1, 3)
+)
+def test_a_delay_moves_the_estimate_by_it(make_patch, estimator, delay, more, seed, rows):
+    # Full coherence, so that only the method's own error is left. The phase at zero lag is that at the centroid of the
+    # speckle's spectrum, off by B / sqrt(12 N): 0.005 wraps of standard deviation at these delays.
+    tolerance = {Interferogram: 0.03, SplitSpectrum: 0.03}.get(type(estimator), 1e-4) * WRAP
+    pair, moved = (
+        make_patch(rows, 63, coherence=1.0, delay=shift * WRAP, seed=seed, oversampling=1.0) for shift in (delay, more)
+    )
+    estimator = replace(estimator, window=FixedWindow(1, 63))
+    shift = estimator.estimate(moved).delay - estimator.estimate(pair).delay
+    np.testing.assert_allclose(shift, (more - delay) * WRAP, atol=tolerance)
+
+
+@method
+def test_silence_is_not_valid(make_patch, method):
+    pair = make_patch()
+    silent = replace(pair, primary=0 * pair.primary)
+    estimate = method(FixedWindow(1, 9)).estimate(silent)
+    assert not estimate.valid.any()
+    assert np.all(np.isfinite(estimate.delay))
+
+
+@method
+def test_windows_that_leave_a_measured_record_are_not_valid(make_patch, method):
+    estimate = method(FixedWindow(3, 9)).estimate(make_patch(5, 40, circular=False))
+    assert not estimate.valid[:, :4].any()
+    assert not estimate.valid[:, -4:].any()
+    assert not estimate.valid[[0, -1]].any()
+    assert estimate.valid[1:-1, 4:-4].any()
+
+
+@method
+def test_the_result_does_not_depend_on_the_rows_in_a_block(make_patch, method, monkeypatch):
+    pair = make_patch(11, 40, coherence=0.7)
+    whole = method(FixedWindow(4, 9)).estimate(pair)
+    monkeypatch.setattr("estimators.search.BLOCK_BYTES", 1)
+    by_row = method(FixedWindow(4, 9)).estimate(pair)
+    for name in ("delay", "coherence", "quality", "valid"):
+        np.testing.assert_array_equal(getattr(by_row, name), getattr(whole, name))
+
+
+@method
+def test_single_precision_is_taken(make_patch, method):
+    pair = make_patch(2, 48)
+    single = replace(pair, primary=pair.primary.astype(np.complex64), secondary=pair.secondary.astype(np.complex64))
+    double = method(FixedWindow(1, 33)).estimate(pair)
+    np.testing.assert_allclose(method(FixedWindow(1, 33)).estimate(single).delay, double.delay, atol=1e-4 * WRAP)
+
+
+@method
+def test_it_is_an_estimator(method):
+    assert isinstance(method(FixedWindow(1, 9)), Estimator)
+
+
+def test_peaks_on_the_border_of_the_search_are_not_valid(make_patch):
+    pair = make_patch(50, 63, coherence=0.99, delay=0.9 / 30e3, oversampling=1.0)
+    estimate = CrossCorrelation(FixedWindow(1, 63), search=0.5 / 30e3).estimate(pair)
+    assert not estimate.valid.any()
+    assert CrossCorrelation(FixedWindow(1, 63), search=1.5 / 30e3).estimate(pair).valid.all()

@@ -1,0 +1,73 @@
+import numpy as np
+import pytest
+
+from sim import Box, EchoPair, Scene, Sonar, Wedge
+
+GOOD_SONAR = {"centre_frequency": 100e3, "bandwidth": 30e3, "baseline": 0.3, "altitude": 15.0}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"bandwidth": -1.0}, "bandwidth is -1 Hz; it must be above 0 Hz"),
+        ({"bandwidth": 2e5}, "bandwidth is 200000 Hz; it must be below twice the centre frequency, 200000 Hz"),
+        ({"baseline": 0.0}, "baseline is 0 m; it must be above 0 m"),
+        ({"altitude": float("inf")}, "altitude is inf; it must be finite"),
+        ({"sound_speed": "fast"}, "sound_speed is 'fast'; it must be a number in m/s"),
+    ],
+)
+def test_sonar(change, message):
+    with pytest.raises(ValueError, match=f"^{message}$"):
+        Sonar(**{**GOOD_SONAR, **change})
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda: Box(30.0, 0.0, 1.0), "width is 0 m; it must be above 0 m"),
+        (lambda: Scene((50.0, 20.0)), r"ground_range is \(50, 20\) m; its near end must come before its far end"),
+        (lambda: Scene((20.0, 50.0), (Box(10.0, 5.0, 1.0),)), ".* leaves the scene; it must stand between 20 and 50 m"),
+        (
+            lambda: Scene((20.0, 50.0), (Wedge(30.0, 5.0, 1.0), Box(33.0, 5.0, 1.0))),
+            ".* overlap; features must stand side by side",
+        ),
+    ],
+)
+def test_scene(build, message):
+    with pytest.raises(ValueError, match=f"^{message}$"):
+        build()
+
+
+GOOD_PAIR = {
+    "primary": np.ones((2, 8), complex),
+    "secondary": np.ones((2, 8), complex),
+    "sample_rate": 40e3,
+    "centre_frequency": 100e3,
+    "bandwidth": 30e3,
+}
+
+
+def with_nan():
+    series = np.ones((2, 8), complex)
+    series[1, 3] = np.nan
+    series[1, 5] = np.inf
+    return series
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            {"primary": with_nan()},
+            r"primary has 2 samples that are not finite, the first at \(1, 3\); all must be finite",
+        ),
+        ({"secondary": np.ones((2, 9), complex)}, r"primary has the shape \(2, 8\) and secondary \(2, 9\); .* equal"),
+        ({"secondary": np.ones((2, 8))}, "secondary is of type float64; it must be complex"),
+        ({"bandwidth": 0.0}, "bandwidth is 0 Hz; it must be above 0 Hz"),
+        ({"sample_rate": 20e3}, "bandwidth is 30000 Hz; it must not exceed the sample rate, 20000 Hz"),
+        ({"centre_frequency": 15e3}, "bandwidth is 30000 Hz; it must be below twice the centre frequency, 30000 Hz"),
+    ],
+)
+def test_echo_pair(change, message):
+    with pytest.raises(ValueError, match=f"^{message}$"):
+        EchoPair(**{**GOOD_PAIR, **change})
