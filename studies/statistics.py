@@ -97,4 +97,4 @@ def rate(hits: NDArray[np.bool_], of: NDArray[np.bool_], confidence: float = 0.9
     z = float(ndtri(0.5 + confidence / 2))
     centre = (p + z**2 / (2 * total)) / (1 + z**2 / total)
     half = z * np.sqrt(spread / total + z**2 / (4 * total**2)) / (1 + z**2 / total)
-    return Rate(p, max(centre - half, 0.0), min(centre + half, 1.0))
+    return Rate(p, centre - half if p > 0 else 0.0, centre + half if p < 1 else 1.0)

@@ -42,8 +42,8 @@ def test_copies_within_a_cluster_add_no_certainty(copies, seed):
 
 
 def test_reported_errors_are_those_of_repetitions():
-    # 1,000 repetitions of 200 clusters of 3 dependent values, 2 % of them far off. The mean reported error is within 10 %
-    # of the spread of the repetitions; that spread's own standard error is about 1 / sqrt(2000) = 2.2 %.
+    # 1,000 repetitions of 200 clusters of 3 dependent values, 2 % of them far off. The mean reported error is within
+    # 10 % of the spread of the repetitions; the standard error of that spread is about 1 / sqrt(2000) = 2.2 %.
     rng = np.random.default_rng(2)
     reported, found = [], []
     for _ in range(1000):
