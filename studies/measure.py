@@ -1,10 +1,15 @@
-"""What the studies share when they measure an estimator: its time, and what theory expects of it."""
+"""What the studies share when they measure an estimator: its time, its errors, and what theory expects of it."""
 
 from collections.abc import Mapping
 from time import perf_counter
 
+import numpy as np
+
 from estimators import DelayEstimate, Estimator, bounds
 from sim import EchoPair
+from sim.band import Real
+from studies.moments import of_errors
+from studies.study import Measurement
 
 
 def timed(estimator: Estimator, pair: EchoPair) -> tuple[DelayEstimate, float]:
@@ -35,3 +40,31 @@ def expected(
         "crlb": float(bounds.coherent_delay_crlb(looks, coherence, centre_frequency, bandwidth)),
         "ziv_zakai": float(bounds.ziv_zakai_delay_std(looks, coherence, centre_frequency, bandwidth, 2 / bandwidth)),
     }
+
+
+def measured(
+    labels: Mapping[str, str], facts: Mapping[str, float], errors: Real, outlier: float, seconds_per_pixel: float
+) -> Measurement:
+    """Sum up the errors of an estimator.
+
+    Parameters
+    ----------
+    labels, facts
+        As of `Measurement`; `facts["wrap"]` scales the errors.
+    errors
+        Delay errors [s], shape (cluster, trial); one that is not finite is a failure.
+    outlier
+        Error beyond which an estimate is an outlier [s].
+    seconds_per_pixel
+        Time of the estimates.
+    """
+    failed = ~np.isfinite(errors)
+    first = f"trial {int(np.argmax(failed.any(axis=1)))}: not a finite number" if failed.any() else ""
+    return Measurement(
+        labels=labels,
+        facts=facts,
+        moments=of_errors(errors / facts["wrap"], np.abs(errors) > outlier),
+        failures=int(failed.sum()),
+        failure=first,
+        seconds_per_pixel=seconds_per_pixel,
+    )

@@ -7,10 +7,10 @@ from typing import Any, ClassVar, Protocol, Self
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure as Drawing
-from numpy.typing import NDArray
 
 from estimators import Estimator, FixedWindow
 from sim.band import Real
+from studies.moments import Moments
 
 Point = Mapping[str, Any]
 """Parameters of one design point; what JSON can hold."""
@@ -21,7 +21,7 @@ Traces = Mapping[str, Real]
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """Errors of one estimator in one block of trials.
+    """Errors of one estimator in one block of trials, summed.
 
     Attributes
     ----------
@@ -29,21 +29,21 @@ class Measurement:
         What tells this measurement from others of the same design point: estimator, window, region.
     facts
         Numbers that belong to it: looks, bounds, predictions; the same in every block.
-    errors
-        Delay errors [s], shape (cluster, trial); clusters are independent, the trials of one need not be.
-    counts
-        Which of the errors count, same shape.
-    outliers
-        Which estimates lie outside the main lobe of the correlation, same shape.
+    moments
+        Sums over the errors.
+    failures
+        Estimates that gave no number.
+    failure
+        What the first of them said, and the trial; empty where none failed.
     seconds_per_pixel
         Time of the estimate over the number of pixels.
     """
 
     labels: Mapping[str, str]
     facts: Mapping[str, float]
-    errors: Real
-    counts: NDArray[np.bool_]
-    outliers: NDArray[np.bool_]
+    moments: Moments
+    failures: int
+    failure: str
     seconds_per_pixel: float
 
 

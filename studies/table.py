@@ -1,66 +1,51 @@
-"""From errors to the table of a study: one row for each design point and estimator."""
+"""From sums over errors to the table of a study: one row for each design point and estimator."""
 
-from collections.abc import Iterable
-from dataclasses import replace
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from studies import statistics
+from studies.moments import merged
 from studies.study import Measurement, Point
 
 
-def merged(measurements: Iterable[Measurement]) -> Measurement:
-    """One measurement from those of several blocks, in their order; times by their median."""
-    parts = list(measurements)
-    return replace(
-        parts[0],
-        errors=np.concatenate([part.errors for part in parts]),
-        counts=np.concatenate([part.counts for part in parts]),
-        outliers=np.concatenate([part.outliers for part in parts]),
-        seconds_per_pixel=float(np.median([part.seconds_per_pixel for part in parts])),
-    )
-
-
-def row(point: Point, measurement: Measurement) -> dict[str, Any]:
-    """Statistics of one estimator at one design point.
+def row(point: Point, blocks: Sequence[Measurement]) -> dict[str, Any]:
+    """Statistics of one estimator at one design point, from its blocks in order.
 
     A wrap error is an error of more than half the delay of a wrap; `in_wrap` statistics leave these out. Estimates
     that are not finite count as failures and in no other statistic; none is drawn again.
     """
-    facts = measurement.facts
-    finite = np.isfinite(measurement.errors)
-    tried = measurement.counts & finite
-    errors = np.where(finite, measurement.errors, 0.0)
-    wrong = np.abs(errors) > facts["wrap"] / 2
-    right = tried & ~wrong
-    wraps, outliers = statistics.rate(wrong, tried), statistics.rate(measurement.outliers, tried)
-    bias = statistics.mean(errors, right)
-    spread = statistics.root_mean_square(errors, right, bias.value)
-    rmse = statistics.root_mean_square(errors, tried)
+    facts, wrap = blocks[0].facts, blocks[0].facts["wrap"]
+    moments = merged(block.moments for block in blocks)
+    failures = sum(block.failures for block in blocks)
+    wraps, outliers = statistics.rate(moments, "wrong"), statistics.rate(moments, "outlier")
+    bias = statistics.ratio(moments, "right_error", "right")
+    spread, rmse = statistics.std_in_wrap(moments), statistics.rmse(moments)
+    crlb = facts["crlb"] / wrap if facts["crlb"] > 0 else np.nan
     return {
         **point,
-        **measurement.labels,
+        **blocks[0].labels,
         **{name: value for name, value in facts.items() if name != "wrap"},
-        "trials": int(measurement.counts.sum()),
-        "failures": int((measurement.counts & ~finite).sum()),
-        "wrap_errors": int((wrong & tried).sum()),
+        "trials": int(moments["tried"]) + failures,
+        "failures": failures,
+        "wrap_errors": int(moments["wrong"]),
         "wrap_rate": wraps.value,
         "wrap_rate_low": wraps.low,
         "wrap_rate_high": wraps.high,
         "outlier_rate": outliers.value,
         "outlier_rate_low": outliers.low,
         "outlier_rate_high": outliers.high,
-        "delay_bias": bias.value,
-        "delay_bias_se": bias.error,
-        "delay_std_in_wrap": spread.value,
-        "delay_std_in_wrap_se": spread.error,
-        "std_over_crlb": spread.value / facts["crlb"] if facts["crlb"] > 0 else np.nan,
-        "std_over_crlb_se": spread.error / facts["crlb"] if facts["crlb"] > 0 else np.nan,
-        "rmse": rmse.value,
-        "rmse_se": rmse.error,
-        "seconds_per_pixel": measurement.seconds_per_pixel,
+        "delay_bias": bias.value * wrap,
+        "delay_bias_se": bias.error * wrap,
+        "delay_std_in_wrap": spread.value * wrap,
+        "delay_std_in_wrap_se": spread.error * wrap,
+        "std_over_crlb": spread.value / crlb,
+        "std_over_crlb_se": spread.error / crlb,
+        "rmse": rmse.value * wrap,
+        "rmse_se": rmse.error * wrap,
+        "seconds_per_pixel": float(np.median([block.seconds_per_pixel for block in blocks])),
     }
 
 
@@ -72,5 +57,5 @@ def tabulate(results: Iterable[tuple[Point, Iterable[Iterable[Measurement]]]]) -
         for block in blocks:
             for measurement in block:
                 same.setdefault(tuple(measurement.labels.values()), []).append(measurement)
-        rows += [row(point, merged(parts)) for parts in same.values()]
+        rows += [row(point, parts) for parts in same.values()]
     return pd.DataFrame(rows)

@@ -24,7 +24,7 @@ from estimators.moving_sum import circular_sum
 from sim import Box, EchoPair, Scene, Sonar, Wedge, checks, simulate
 from sim.band import Real
 from studies import figures
-from studies.measure import expected, timed
+from studies.measure import expected, measured, timed
 from studies.study import Block, Measurement, Point, Traces
 
 Method = Callable[[FixedWindow], Estimator]
@@ -158,23 +158,15 @@ class BoxScene:
             **expected(name, window.looks(pair), coherence, self.centre_frequency, self.bandwidth),
             "snr_db": 10 * np.log10(snr),
         }
-        measurements = []
-        for region, errors, where in (
-            ("outside", outside, clear(pair, window)),
-            ("layover", inside, truth.layover & np.isfinite(truth.branches).any(axis=0)),
-        ):
-            kept = errors[:, where]
-            measurements.append(
-                Measurement(
-                    labels={"estimator": name, "window": str(window), "region": region},
-                    facts=facts,
-                    errors=kept,
-                    counts=np.ones(kept.shape, dtype=np.bool_),
-                    outliers=np.abs(kept) > 0.5 / self.bandwidth,
-                    seconds_per_pixel=seconds / pair.primary.size,
-                )
-            )
-        return measurements
+        regions = {
+            "outside": outside[:, clear(pair, window)],
+            "layover": inside[:, truth.layover & np.isfinite(truth.branches).any(axis=0)],
+        }
+        labels = {"estimator": name, "window": str(window)}
+        return [
+            measured({**labels, "region": region}, facts, errors, 0.5 / self.bandwidth, seconds)
+            for region, errors in regions.items()
+        ]
 
     def summary(self, table: pd.DataFrame) -> pd.DataFrame:
         """Share in the right wrap, outliers, and spread within the wrap [wraps]."""

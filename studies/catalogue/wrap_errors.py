@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from estimators import CrossCorrelation, Estimator, FixedWindow, FullBandPhaseSlope, SplitSpectrum
 from sim import checks, speckle_pair
 from studies import figures
-from studies.measure import expected, timed
-from studies.study import Block, Measurement, Point, Traces
+from studies.measure import expected, measured, timed
+from studies.study import Block, Point, Traces
 
 METHODS: Mapping[str, Callable[[FixedWindow], Estimator]] = MappingProxyType(
     {
@@ -105,16 +105,9 @@ class WrapErrors:
         for name in methods:
             estimate, seconds = timed(METHODS[name](window), pair)
             errors = estimate.delay[:, :1] - pair.truth.delay
-            measurements.append(
-                Measurement(
-                    labels={"estimator": name, "window": str(window)},
-                    facts=expected(name, looks, coherence, self.centre_frequency, bandwidth),
-                    errors=errors,
-                    counts=np.ones(errors.shape, dtype=np.bool_),
-                    outliers=np.abs(errors) > 0.5 / bandwidth,
-                    seconds_per_pixel=seconds,
-                )
-            )
+            facts = expected(name, looks, coherence, self.centre_frequency, bandwidth)
+            labels = {"estimator": name, "window": str(window)}
+            measurements.append(measured(labels, facts, errors, 0.5 / bandwidth, seconds))
         return Block(measurements, {})
 
     def summary(self, table: pd.DataFrame) -> pd.DataFrame:

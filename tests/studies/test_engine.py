@@ -8,7 +8,7 @@ import pytest
 from studies import seeds
 from studies.catalogue import STUDIES
 from studies.engine import Run, run, write
-from studies.study import Measurement
+from studies.measure import measured
 from studies.table import row
 
 
@@ -70,14 +70,13 @@ def test_what_is_written_reads_back(small, tmp_path):
 
 
 def test_failed_estimates_are_counted_and_in_no_other_statistic():
-    facts = {"wrap": 1.0, "crlb": 0.1}
-    errors = np.array([[0.1], [-0.1], [np.nan], [2.0]])
-    same = {"labels": {"estimator": "x"}, "facts": facts, "counts": np.ones((4, 1), bool), "seconds_per_pixel": 1.0}
-    found = row({"point": 1}, Measurement(errors=errors, outliers=np.abs(errors) > 1, **same))
+    facts = {"wrap": 2.0, "crlb": 0.1}
+    errors = np.array([[0.2], [-0.2], [np.nan], [4.0]])
+    found = row({"point": 1}, [measured({"estimator": "x"}, facts, errors, 3.0, 1.0)])
     assert found["trials"] == 4
     assert found["failures"] == 1
     assert found["wrap_errors"] == 1
-    assert found["wrap_rate"] == pytest.approx(1 / 3)
-    assert found["delay_std_in_wrap"] == pytest.approx(0.1)
-    assert found["std_over_crlb"] == pytest.approx(1.0)
-    assert found["rmse"] == pytest.approx(np.sqrt((0.01 + 0.01 + 4.0) / 3))
+    assert found["wrap_rate"] == found["outlier_rate"] == pytest.approx(1 / 3)
+    assert found["delay_std_in_wrap"] == pytest.approx(0.2)
+    assert found["std_over_crlb"] == pytest.approx(2.0)
+    assert found["rmse"] == pytest.approx(np.sqrt((0.04 + 0.04 + 16.0) / 3))

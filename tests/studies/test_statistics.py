@@ -4,19 +4,30 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studies import statistics
+from studies.moments import merged, of_errors
 
 
-def test_single_values_give_the_textbook_errors():
-    values = np.random.default_rng(1).standard_t(5, size=(400, 1))
-    every = np.ones(values.shape, dtype=bool)
-    n = len(values)
-    centre = statistics.mean(values, every)
-    assert centre.value == pytest.approx(values.mean())
-    assert centre.error == pytest.approx(values.std(ddof=1) / np.sqrt(n))
-    spread = statistics.root_mean_square(values, every, centre.value)
-    m2, m4 = np.mean((values - values.mean()) ** 2), np.mean((values - values.mean()) ** 4)
-    assert spread.value == pytest.approx(np.sqrt(m2))
-    assert spread.error == pytest.approx(np.sqrt((m4 - m2**2) / (n - 1)) / (2 * np.sqrt(m2)))
+def moments(errors):
+    return of_errors(errors, np.abs(errors) > 2)
+
+
+def test_single_trials_give_the_textbook_errors():
+    errors = np.random.default_rng(1).standard_t(5, size=(400, 1))
+    found = moments(errors)
+    n, right = len(errors), errors[np.abs(errors) <= 0.5]
+    bias = statistics.ratio(found, "right_error", "right")
+    assert bias.value == pytest.approx(right.mean())
+    # The number in the right wrap is itself random, which counts one more cluster in n - 1.
+    assert bias.error == pytest.approx(right.std() / np.sqrt(len(right)) * np.sqrt(n / (n - 1)))
+    spread = statistics.std_in_wrap(found)
+    m2, m4 = np.mean((right - right.mean()) ** 2), np.mean((right - right.mean()) ** 4)
+    assert spread.value == pytest.approx(right.std())
+    kurtosis_form = np.sqrt((m4 - m2**2) / len(right)) / (2 * np.sqrt(m2))
+    assert spread.error == pytest.approx(kurtosis_form * np.sqrt(n / (n - 1)))
+    square = errors**2
+    rmse = statistics.rmse(found)
+    assert rmse.value == pytest.approx(np.sqrt(square.mean()))
+    assert rmse.error == pytest.approx(square.std(ddof=1) / np.sqrt(n) / (2 * rmse.value))
 
 
 @pytest.mark.parametrize(
@@ -24,7 +35,7 @@ def test_single_values_give_the_textbook_errors():
 )
 def test_wilson_interval_is_that_of_the_tables(hits, trials, low, high):
     # Newcombe (1998), by hand from the score equation.
-    found = statistics.rate(np.arange(trials)[:, None] < hits, np.ones((trials, 1), dtype=bool))
+    found = statistics.rate(moments(1.0 * (np.arange(trials)[:, None] < hits)), "wrong")
     assert found.value == hits / trials
     assert found.low == pytest.approx(low, abs=5e-4)
     assert found.high == pytest.approx(high, abs=5e-4)
@@ -32,29 +43,36 @@ def test_wilson_interval_is_that_of_the_tables(hits, trials, low, high):
 
 @given(st.integers(2, 6), st.integers(0, 2**32 - 1))
 def test_copies_within_a_cluster_add_no_certainty(copies, seed):
-    rng = np.random.default_rng(seed)
-    values = rng.normal(size=(50, 1))
-    every = np.ones(values.shape, dtype=bool)
-    repeated, all_repeated = np.repeat(values, copies, axis=1), np.repeat(every, copies, axis=1)
-    assert statistics.mean(repeated, all_repeated) == pytest.approx(statistics.mean(values, every))
-    positive, single = statistics.rate(repeated > 0, all_repeated), statistics.rate(values > 0, every)
-    assert positive.high - positive.low == pytest.approx(single.high - single.low, rel=0.05)
+    errors = np.random.default_rng(seed).normal(size=(50, 1))
+    single, repeated = moments(errors), moments(np.repeat(errors, copies, axis=1))
+    assert statistics.rmse(repeated) == pytest.approx(statistics.rmse(single))
+    assert statistics.std_in_wrap(repeated) == pytest.approx(statistics.std_in_wrap(single))
+    widths = [rate.high - rate.low for rate in (statistics.rate(m, "wrong") for m in (single, repeated))]
+    assert widths[1] == pytest.approx(widths[0], rel=0.05)
 
 
-def test_reported_errors_are_those_of_repetitions():
-    # 1,000 repetitions of 200 clusters of 3 dependent values, 2 % of them far off. The mean reported error is within
-    # 10 % of the spread of the repetitions; the standard error of that spread is about 1 / sqrt(2000) = 2.2 %.
+@given(st.integers(1, 20), st.integers(1, 20), st.integers(0, 2**32 - 1))
+def test_moments_of_blocks_add_up(first, second, seed):
+    errors = np.random.default_rng(seed).normal(size=(first + second, 3))
+    whole, parts = moments(errors), merged([moments(errors[:first]), moments(errors[first:])])
+    assert parts.clusters == whole.clusters
+    np.testing.assert_allclose(parts.totals, whole.totals, atol=1e-12)
+    np.testing.assert_allclose(parts.products, whole.products, atol=1e-12)
+
+
+@pytest.mark.parametrize("wraps", [0.0, 0.02])
+def test_reported_errors_are_those_of_repetitions(wraps):
+    # 1,000 repetitions of 200 clusters of 3 dependent errors. The mean reported error is within 10 % of the spread of
+    # the repetitions; the standard error of that spread is about 1 / sqrt(2000) = 2.2 %.
     rng = np.random.default_rng(2)
     reported, found = [], []
     for _ in range(1000):
-        shared = rng.normal(size=(200, 1))
-        values = shared + 0.5 * rng.normal(size=(200, 3)) + 10 * (rng.random((200, 3)) < 0.02)
-        every = np.ones(values.shape, dtype=bool)
-        statistic = [
-            statistics.mean(values, every),
-            statistics.root_mean_square(values, every),
-            statistics.mean((values > 5).astype(float), every),
-        ]
+        errors = 0.1 * (rng.normal(size=(200, 1)) + 0.5 * rng.normal(size=(200, 3)))
+        errors += rng.random((200, 3)) < wraps
+        of = moments(errors)
+        statistic = [statistics.ratio(of, "right_error", "right"), statistics.std_in_wrap(of), statistics.rmse(of)]
+        if wraps:
+            statistic.append(statistics.ratio(of, "wrong", "tried"))
         reported.append([s.error for s in statistic])
         found.append([s.value for s in statistic])
     np.testing.assert_allclose(np.mean(reported, axis=0), np.std(found, axis=0), rtol=0.1)
@@ -63,15 +81,20 @@ def test_reported_errors_are_those_of_repetitions():
 def test_wilson_intervals_cover_as_often_as_they_say():
     # 4,000 repetitions of 300 trials at 3 %: coverage within 93 to 97 %, 5 standard errors of 0.34 % around 95 %.
     rng = np.random.default_rng(3)
-    covered = []
-    for _ in range(4000):
-        hits = rng.random((300, 1)) < 0.03
-        found = statistics.rate(hits, np.ones(hits.shape, dtype=bool))
-        covered.append(found.low <= 0.03 <= found.high)
+    found = [statistics.rate(moments(1.0 * (rng.random((300, 1)) < 0.03)), "wrong") for _ in range(4000)]
+    covered = [rate.low <= 0.03 <= rate.high for rate in found]
     assert 0.93 < np.mean(covered) < 0.97
 
 
-def test_nothing_counted_gives_no_number():
-    none = np.zeros((3, 2), dtype=bool)
-    assert np.isnan(statistics.mean(np.ones((3, 2)), none).value)
-    assert np.isnan(statistics.rate(none, none).high)
+def test_errors_that_are_no_numbers_do_not_count():
+    found = moments(np.array([[0.1], [-0.1], [np.nan], [2.0]]))
+    assert found["tried"] == 3
+    assert found["wrong"] == 1
+    assert statistics.std_in_wrap(found).value == pytest.approx(0.1)
+    assert statistics.rmse(found).value == pytest.approx(np.sqrt((0.01 + 0.01 + 4.0) / 3))
+
+
+def test_nothing_tried_gives_no_number():
+    nothing = moments(np.full((3, 2), np.nan))
+    assert np.isnan(statistics.rmse(nothing).value)
+    assert np.isnan(statistics.rate(nothing, "wrong").high)
