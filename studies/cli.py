@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields, replace
 from difflib import get_close_matches
+from itertools import chain, count
 from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
@@ -13,9 +14,11 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from studies import engine
+from studies import engine, manifest
+from studies import report as results
 from studies.catalogue import STUDIES
 from studies.study import Study
+from studies.table import tabulate
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 console = Console(highlight=False)
@@ -50,8 +53,9 @@ def run(
     backend: Annotated[str, typer.Option(help="loky, threading or sequential.")] = "loky",
     seed: Annotated[int, typer.Option(help="Root of all random numbers.")] = 2026,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out"),
+    fresh: Annotated[bool, typer.Option("--fresh", help="Start anew beside an earlier run.")] = False,
 ) -> None:
-    """Run studies: OUT/NAME/ gets the table, the figures and the manifest of each."""
+    """Run studies, or go on with an earlier run: OUT/NAME/ gets the blocks, the table, the figures and the manifest."""
     with _one_line_errors():
         values = dict(_key_and_value(text) for text in setting or [])
         if trials is not None:
@@ -61,11 +65,87 @@ def run(
         for study in studies:
             engine.check(study, how)
         for study in studies:
-            result = _with_progress(study, how)
-            paths = engine.write(study, how, result, out / study.name)
-            _show(study, result.table)
-            for path in paths:
-                console.print(str(path), soft_wrap=True)
+            folder = _free(out / study.name) if fresh else out / study.name
+            _run_with_progress(study, how, folder)
+            _report(study, how.methods or tuple(study.methods()), how.seed, folder)
+
+
+@app.command()
+def status(folder: Annotated[Path, typer.Argument(help="Folder of a run.")]) -> None:
+    """Count the blocks of a run that are there, missing and hold failures, for each design point."""
+    with _one_line_errors():
+        study, methods, seed = _earlier(folder)
+        store = engine.store_of(study, seed, folder)
+        rows = []
+        for task in engine.tasks(study):
+            found = store.read(task)
+            rows.append(
+                {
+                    **task.point,
+                    "there": not engine.missing(store, task, methods),
+                    "missing": bool(engine.missing(store, task, methods)),
+                    "failures": sum(measurement.failures for measurement in found),
+                }
+            )
+        table = pd.DataFrame(rows)
+        counted = table.groupby(list(study.points()[0]), dropna=False, sort=False).sum().reset_index()
+        console.print(counted.to_string(index=False), soft_wrap=True)
+        console.print(f"{int(table.there.sum())} of {len(table)} blocks are there")
+
+
+@app.command()
+def report(folder: Annotated[Path, typer.Argument(help="Folder of a run.")]) -> None:
+    """Make table and figures of a run anew from its block files."""
+    with _one_line_errors():
+        study, methods, seed = _earlier(folder)
+        _report(study, methods, seed, folder)
+
+
+@app.command()
+def replay(
+    folder: Annotated[Path, typer.Argument(help="Folder of a run.")],
+    point: Annotated[int, typer.Argument(help="Number of the design point, from 0.")],
+    block: Annotated[int, typer.Argument(help="Number of the block, from 0.")],
+) -> None:
+    """Measure one block of a run again, in the foreground, and show what it gives."""
+    with _one_line_errors():
+        study, methods, seed = _earlier(folder)
+        points = study.points()
+        if not 0 <= point < len(points):
+            raise ValueError(f"point is {point}; it must lie between 0 and {len(points) - 1}")
+        of_point = [task for task in engine.tasks(study) if task.point == points[point]]
+        if not 0 <= block < len(of_point):
+            raise ValueError(f"block is {block}; it must lie between 0 and {len(of_point) - 1}")
+        found = engine.measure(study, of_point[block], methods, seed).measurements
+        table = tabulate([(points[point], [found])])
+        for measurement in found:
+            if measurement.failure:
+                console.print(f"{' '.join(measurement.labels.values())}: {measurement.failure}", soft_wrap=True)
+        labels = [column for measurement in found[:1] for column in measurement.labels]
+        shown = table[[*labels, "trials", "failures", "wrap_errors", "delay_bias", "delay_std_in_wrap", "rmse"]]
+        console.print(shown.to_string(index=False, float_format="{:.6g}".format), soft_wrap=True)
+
+
+def _earlier(folder: Path) -> tuple[Study, tuple[str, ...], int]:
+    """Study, estimators and seed of an earlier run."""
+    found = manifest.read(folder)
+    name = found["design"]["study"]
+    study = manifest.restored(_known(name), found["parameters"])
+    return study, tuple(found["methods"]), int(found["design"]["seed"])
+
+
+def _free(folder: Path) -> Path:
+    """The folder, or the first of its name with a number that does not exist."""
+    numbered = (folder.with_name(f"{folder.name}-{number}") for number in count(2))
+    return next(path for path in chain([folder], numbered) if not path.exists())
+
+
+def _known(name: str) -> type[Study]:
+    if name not in STUDIES:
+        near = get_close_matches(name, STUDIES)
+        hint = f"; did you mean {near[0]}?" if near else ""
+        raise ValueError(f"study is {name!r}; it must be one of {', '.join(STUDIES)}{hint}")
+    return STUDIES[name]
 
 
 def configured(name: str, quick: bool, values: Mapping[str, str]) -> Study:
@@ -76,11 +156,7 @@ def configured(name: str, quick: bool, values: Mapping[str, str]) -> Study:
     ValueError
         For an unknown study or parameter, and for a value that it does not take.
     """
-    if name not in STUDIES:
-        near = get_close_matches(name, STUDIES)
-        hint = f"; did you mean {near[0]}?" if near else ""
-        raise ValueError(f"study is {name!r}; it must be one of {', '.join(STUDIES)}{hint}")
-    study = STUDIES[name]()
+    study = _known(name)()
     study = study.quick() if quick else study
     types = get_type_hints(type(study))
     known = [field.name for field in fields(study)]
@@ -113,7 +189,7 @@ def _text(value: Any) -> str:
     return ",".join(f"{part:g}" for part in value) if isinstance(value, tuple) else f"{value:g}"
 
 
-def _with_progress(study: Study, how: engine.Run) -> engine.Result:
+def _run_with_progress(study: Study, how: engine.Run, folder: Path) -> None:
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -123,13 +199,18 @@ def _with_progress(study: Study, how: engine.Run) -> engine.Result:
     )
     with Progress(*columns, console=Console(stderr=True)) as bar:
         task = bar.add_task(study.name)
-        return engine.run(study, how, lambda done, total: bar.update(task, completed=done, total=total))
+        engine.run(study, how, folder, lambda done, total: bar.update(task, completed=done, total=total))
 
 
-def _show(study: Study, table: pd.DataFrame) -> None:
+def _report(study: Study, methods: tuple[str, ...], seed: int, folder: Path) -> None:
+    """Write table and figures of what a folder holds; show a short table and the paths."""
+    found = results.result(study, engine.store_of(study, seed, folder), methods)
+    paths = [folder / manifest.NAME, *results.write(study, found, folder)]
     console.print(f"\n{study.name}: {study.question}", soft_wrap=True)
-    short = study.summary(table)
+    short = study.summary(found.table)
     console.print(short.to_string(index=False, float_format="{:.3g}".format), soft_wrap=True)
+    for path in paths:
+        console.print(str(path), soft_wrap=True)
 
 
 @contextmanager

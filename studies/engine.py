@@ -1,20 +1,15 @@
-"""Run a study: blocks of trials, in parallel, into a table and figures."""
+"""Run a study: blocks of trials, in parallel, into a store that any later run goes on with."""
 
-import json
-import os
-import platform
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, fields
-from importlib import metadata
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
-import pandas as pd
 from joblib import Parallel, delayed
+from joblib.externals.loky.process_executor import TerminatedWorkerError
 
-from studies import seeds
-from studies.study import Block, Point, Study
-from studies.table import tabulate
+from studies import manifest, seeds
+from studies.blocks import Store, Task
+from studies.study import Block, Study
 
 BACKENDS = ("loky", "threading", "sequential")
 
@@ -41,24 +36,6 @@ class Run:
     backend: str = "loky"
 
 
-@dataclass(frozen=True, eq=False)
-class Result:
-    """A finished study: its table, and an example of each design point."""
-
-    table: pd.DataFrame
-    traces: Sequence[tuple[Point, dict[str, Any]]]
-
-
-def tasks(study: Study) -> list[tuple[Point, int, int]]:
-    """All blocks of a study: design point, number of the block, trials in it."""
-    starts = range(0, study.trials, study.block_trials)
-    return [
-        (point, number, min(study.block_trials, study.trials - start))
-        for point in study.points()
-        for number, start in enumerate(starts)
-    ]
-
-
 def check(study: Study, how: Run) -> tuple[str, ...]:
     """Names of the estimators that a run compares; ValueError for an unknown estimator or backend, or a bad seed."""
     known = tuple(study.methods())
@@ -73,10 +50,37 @@ def check(study: Study, how: Run) -> tuple[str, ...]:
     return how.methods or known
 
 
-def run(study: Study, how: Run, progress: Callable[[int, int], None] = lambda done, total: None) -> Result:
-    """Simulate and estimate all blocks of a study, and tabulate their errors.
+def tasks(study: Study) -> list[Task]:
+    """All blocks of a study, those of one point after each other."""
+    starts = range(0, study.trials, study.block_trials)
+    return [
+        Task(point, number, min(study.block_trials, study.trials - start))
+        for point in study.points()
+        for number, start in enumerate(starts)
+    ]
 
-    The table depends on the study, its estimators and the seed alone, but for the measured times.
+
+def store_of(study: Study, seed: int, folder: Path) -> Store:
+    """The block files of a study with a seed below a folder."""
+    return Store(folder / "blocks", manifest.digest(manifest.design(study, seed)))
+
+
+def missing(store: Store, task: Task, methods: Sequence[str]) -> list[str]:
+    """Estimators that a stored block lacks."""
+    there = {measurement.labels["estimator"] for measurement in store.read(task)}
+    return [name for name in methods if name not in there]
+
+
+def measure(study: Study, task: Task, methods: Sequence[str], seed: int) -> Block:
+    """Simulate one block and apply estimators to it; always the same numbers."""
+    return study.measure(task.point, methods, task.trials, seeds.generator(seed, task.point, task.block))
+
+
+def run(study: Study, how: Run, folder: Path, progress: Callable[[int, int], None] = lambda done, total: None) -> None:
+    """Simulate and estimate what a folder lacks of a study.
+
+    Every block is stored as it is done. The numbers depend on the study, its estimators and the seed alone, but for the
+    measured times: not on the backend, the jobs, the order of the blocks or on how often the run was interrupted.
 
     Parameters
     ----------
@@ -84,67 +88,52 @@ def run(study: Study, how: Run, progress: Callable[[int, int], None] = lambda do
         What to run.
     how
         Which estimators, which seed, on how many processes.
+    folder
+        Where to, and what to go on with.
     progress
         Called with the number of blocks done and in all.
 
     Raises
     ------
     ValueError
-        For an unknown estimator or backend, and for whatever the study finds wrong.
-    """
-    methods = check(study, how)
-    todo = tasks(study)
-    blocks: list[Block] = []
-    progress(0, len(todo))
-    for block in _blocks(study, methods, how, todo):
-        blocks.append(block)
-        progress(len(blocks), len(todo))
-    together: dict[str, tuple[Point, list[Block]]] = {}
-    for (point, _, _), block in zip(todo, blocks, strict=True):
-        together.setdefault(json.dumps(point, sort_keys=True), (point, []))[1].append(block)
-    table = tabulate((point, [b.measurements for b in found]) for point, found in together.values())
-    return Result(table, [(point, dict(found[0].traces)) for point, found in together.values()])
-
-
-def _blocks(study: Study, methods: Sequence[str], how: Run, todo: Sequence[tuple[Point, int, int]]) -> Iterator[Block]:
-    threads = {"inner_max_num_threads": 1} if how.backend == "loky" else {}
-    parallel = Parallel(n_jobs=how.jobs, backend=how.backend, return_as="generator", **threads)
-    found: Iterator[Block] = parallel(
-        delayed(study.measure)(point, methods, trials, seeds.generator(how.seed, point, number))
-        for point, number, trials in todo
-    )
-    return found
-
-
-def write(study: Study, how: Run, result: Result, folder: Path) -> list[Path]:
-    """Write manifest, table and figures of a study; returns their paths.
-
-    Raises
-    ------
+        For an unknown estimator or backend, for a folder of another design, and for whatever the study finds wrong.
     OSError
         Where the folder cannot be written.
     """
-    figures = folder / "figures"
-    figures.mkdir(parents=True, exist_ok=True)
-    manifest = folder / "manifest.json"
-    manifest.write_text(json.dumps(provenance(study, how), indent=2) + "\n")
-    table = folder / "table.csv"
-    result.table.to_csv(table, index=False)
-    paths = [manifest, table]
-    for name, figure in study.figures(result.table, result.traces).items():
-        paths.append(figures / f"{name}.png")
-        figure.savefig(paths[-1], dpi=150)
-    return paths
+    methods = check(study, how)
+    manifest.begin(study, how.seed, methods, folder)
+    store, wanted = store_of(study, how.seed, folder), tasks(study)
+    lacking = [(task, names) for task in wanted if (names := missing(store, task, methods))]
+    while lacking:
+        progress(len(wanted) - len(lacking), len(wanted))
+        try:
+            for done, _ in enumerate(_complete(study, how, store, lacking), len(wanted) - len(lacking) + 1):
+                progress(done, len(wanted))
+        except TerminatedWorkerError:
+            # A worker that is killed takes its pool along. What was stored stays; the rest is asked for again.
+            still = [(task, names) for task, _ in lacking if (names := missing(store, task, methods))]
+            if len(still) == len(lacking):
+                raise OSError("a worker was killed before any block was done; the machine may lack memory") from None
+            lacking = still
+        else:
+            break
+    progress(len(wanted), len(wanted))
 
 
-def provenance(study: Study, how: Run) -> dict[str, Any]:
-    """What made a result: the study and its parameters, the run, the versions and the machine."""
-    return {
-        "study": study.name,
-        "question": study.question,
-        "parameters": {field.name: getattr(study, field.name) for field in fields(study)},
-        "run": asdict(how),
-        "versions": {name: metadata.version(name) for name in ("twinecho", "numpy", "scipy", "finufft", "joblib")},
-        "python": platform.python_version(),
-        "machine": f"{platform.machine()}, {os.cpu_count()} processors",
-    }
+def _complete(study: Study, how: Run, store: Store, lacking: Sequence[tuple[Task, list[str]]]) -> Sequence[None]:
+    threads = {"inner_max_num_threads": 1} if how.backend == "loky" else {}
+    parallel = Parallel(n_jobs=how.jobs, backend=how.backend, return_as="generator_unordered", **threads)
+    done: Sequence[None] = parallel(
+        delayed(_complete_block)(study, store, task, names, how.seed) for task, names in lacking
+    )
+    return done
+
+
+def _complete_block(study: Study, store: Store, task: Task, names: Sequence[str], seed: int) -> None:
+    """Measure what a block lacks, and store it with what it has, in the study's order of estimators."""
+    block = measure(study, task, names, seed)
+    order = list(study.methods())
+    together = [*store.read(task), *block.measurements]
+    together.sort(key=lambda measurement: order.index(measurement.labels["estimator"]))
+    traces = {**store.read_traces(task), **block.traces} if task.block == 0 else {}
+    store.write(task, replace(block, measurements=together, traces=traces))

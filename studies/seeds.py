@@ -8,6 +8,11 @@ from typing import Any
 import numpy as np
 
 
+def canonical(value: Mapping[str, Any]) -> bytes:
+    """The one JSON text of a mapping: keys sorted, no spaces, finite numbers only."""
+    return json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
+
+
 def check(root: int) -> None:
     """ValueError unless a root seed is a whole number of 0 to 2^128 - 1."""
     if not 0 <= root < 2**128:
@@ -35,7 +40,6 @@ def generator(root: int, point: Mapping[str, Any], block: int, stream: int = 0) 
         For a root outside its limits.
     """
     check(root)
-    canonical = json.dumps(point, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    words = np.frombuffer(hashlib.sha256(canonical.encode()).digest()[:16], dtype=">u4")
+    words = np.frombuffer(hashlib.sha256(canonical(point)).digest()[:16], dtype=">u4")
     key = (*(int(word) for word in words), block, stream)
     return np.random.Generator(np.random.Philox(np.random.SeedSequence(root, spawn_key=key)))

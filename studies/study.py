@@ -61,6 +61,8 @@ class Study(Protocol):
     __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
     name: ClassVar[str]
     question: ClassVar[str]
+    axes: ClassVar[frozenset[str]]
+    """Parameters that only add or leave out design points or trials, and change the numbers of none."""
 
     @property
     def trials(self) -> int:

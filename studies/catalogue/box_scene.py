@@ -23,6 +23,7 @@ from estimators import (
 from estimators.moving_sum import circular_sum
 from sim import Box, EchoPair, Scene, Sonar, Wedge, checks, simulate
 from sim.band import Real
+from sim.simulate import time_grid
 from studies import figures
 from studies.measure import expected, measured, timed
 from studies.study import Block, Measurement, Point, Traces
@@ -80,6 +81,7 @@ class BoxScene:
     question: ClassVar[str] = (
         "How good are single-pixel phase-slope delays of a seabed with boxes, and what do windows gain?"
     )
+    axes: ClassVar[frozenset[str]] = frozenset({"snr", "trials"})
 
     centre_frequency: float = 100e3
     bandwidth: float = 30e3
@@ -100,6 +102,10 @@ class BoxScene:
             FixedWindow(1, window)
         if self.sonar.altitude <= self.scene.highest:
             raise ValueError(f"altitude is {self.altitude:g} m; it must be above the scene, {self.scene.highest:g} m")
+        samples = time_grid(self.scene, self.sonar).samples
+        for window in self.windows:
+            if window > samples:
+                raise ValueError(f"windows holds {window} samples; it must not exceed the series, {samples} samples")
 
     @property
     def sonar(self) -> Sonar:

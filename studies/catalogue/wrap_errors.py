@@ -51,6 +51,7 @@ class WrapErrors:
     question: ClassVar[str] = (
         "How often does each estimator pick the wrong wrap, and how near the bound is it otherwise?"
     )
+    axes: ClassVar[frozenset[str]] = frozenset({"snr", "looks", "relative_bandwidth", "trials"})
 
     centre_frequency: float = 100e3
     snr: tuple[float, ...] = tuple(float(x) for x in range(-6, 27, 2))
@@ -111,9 +112,11 @@ class WrapErrors:
         return Block(measurements, {})
 
     def summary(self, table: pd.DataFrame) -> pd.DataFrame:
-        """Wrap rate with its prediction, and STD over CRLB, at the middle bandwidth and every second SNR."""
+        """Wrap rate with its prediction, and STD over CRLB, at the middle bandwidth and a few SNRs."""
         width = self.relative_bandwidth[len(self.relative_bandwidth) // 2]
-        rows = table[np.isclose(table.relative_bandwidth, width) & table.snr_db.isin(self.snr[::2])]
+        rows = table[
+            np.isclose(table.relative_bandwidth, width) & table.snr_db.isin(self.snr[:: max(len(self.snr) // 3, 1)])
+        ]
         return pd.DataFrame(
             {
                 "B/fc": rows.relative_bandwidth,

@@ -4,14 +4,19 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from studies import engine, report
 from studies.catalogue import STUDIES
-from studies.engine import Run, run
 
 
 @pytest.fixture(scope="module")
-def table():
-    study = STUDIES["box-scene"]().quick()
-    found = run(study, Run(jobs=2, seed=7)).table
+def table(tmp_path_factory):
+    study, how, folder = (
+        STUDIES["box-scene"]().quick(),
+        engine.Run(jobs=2, seed=7),
+        tmp_path_factory.mktemp("box-scene"),
+    )
+    engine.run(study, how, folder)
+    found = report.result(study, engine.store_of(study, how.seed, folder), tuple(study.methods())).table
     return found.set_index(["snr_db", "region", "estimator", "window"])
 
 

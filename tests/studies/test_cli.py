@@ -24,7 +24,10 @@ def command(*arguments):
         (["box-scene", "--set", "altitude=2"], "altitude is 2 m; it must be above the scene, 3 m"),
         (["box-scene", "--set", "snr=nan"], "snr is nan; it must be finite"),
         (["box-scene", "--set", "windows=0"], "samples of the window is 0; it must be a whole number of at least 1"),
-        (["box-scene", "--set", "windows=1000000", "--trials", "1"], "the window has 1000000 samples; the pair has "),
+        (
+            ["box-scene", "--set", "windows=100000"],
+            "windows holds 100000 samples; it must not exceed the series, 10648 ",
+        ),
         (["box-scene", "--set", "far=soon"], "far is 'soon'; it must be a number"),
         (["box-scene", "--set", "far"], "--set is 'far'; it must be KEY=VALUE"),
         (["box-scene", "--set", "colour=red"], "parameter is 'colour'; of box-scene it must be one of "),
@@ -69,6 +72,51 @@ def test_run_ends_with_a_table_and_the_paths_of_what_it_wrote(tmp_path):
     assert "cross-correlation" in found.stdout
     for line in found.stdout.strip().splitlines()[-4:]:
         assert (tmp_path / "wrap-errors").joinpath(line.split("wrap-errors/")[-1]).is_file()
+
+
+def test_status_report_and_replay_of_a_run(tmp_path):
+    small = [
+        "--trials",
+        "200",
+        "--set",
+        "snr=0,10",
+        "--set",
+        "looks=9",
+        "--set",
+        "relative_bandwidth=0.3",
+        "--jobs",
+        "1",
+    ]
+    assert command("run", "wrap-errors", *small, "--out", tmp_path).exit_code == 0
+    folder = tmp_path / "wrap-errors"
+    written = (folder / "table.csv").read_bytes()
+    (folder / "table.csv").unlink()
+    assert command("report", folder).exit_code == 0
+    assert (folder / "table.csv").read_bytes() == written
+    assert "2 of 2 blocks are there" in command("status", folder).stdout
+    next((folder / "blocks").glob("*-000000.parquet")).unlink()
+    assert "1 of 2 blocks are there" in command("status", folder).stdout
+    shown = command("replay", folder, 1, 0)
+    assert shown.exit_code == 0
+    assert "cross-correlation" in shown.stdout
+    for arguments, message in [
+        (["replay", folder, 2, 0], "point is 2; it must lie between 0 and 1"),
+        (["replay", folder, 0, 1], "block is 1; it must lie between 0 and 0"),
+        (["status", tmp_path], f"{tmp_path} is no folder of a run; it must hold a manifest.json"),
+    ]:
+        found = command(*arguments)
+        assert found.exit_code == 2
+        assert found.stderr.strip().startswith(f"twinecho: {message}")
+
+
+def test_a_changed_design_is_refused_and_fresh_starts_beside(tmp_path):
+    small = ["--trials", "50", "--set", "snr=10", "--set", "looks=9", "--set", "relative_bandwidth=0.3", "--jobs", "1"]
+    assert command("run", "wrap-errors", *small, "--out", tmp_path).exit_code == 0
+    refused = command("run", "wrap-errors", *small, "--seed", "7", "--out", tmp_path)
+    assert refused.exit_code == 2
+    assert "another design: seed was 2026, is 7" in refused.stderr
+    assert command("run", "wrap-errors", *small, "--seed", "7", "--fresh", "--out", tmp_path).exit_code == 0
+    assert (tmp_path / "wrap-errors-2" / "table.csv").is_file()
 
 
 def test_list_names_studies_and_estimators():
