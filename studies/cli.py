@@ -53,6 +53,7 @@ def run(
     backend: Annotated[str, typer.Option(help="loky, threading or sequential.")] = "loky",
     seed: Annotated[int, typer.Option(help="Root of all random numbers.")] = 2026,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out"),
+    fail_fast: Annotated[bool, typer.Option("--fail-fast", help="End at the first estimate that fails.")] = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Start anew beside an earlier run.")] = False,
 ) -> None:
     """Run studies, or go on with an earlier run: OUT/NAME/ gets the blocks, the table, the figures and the manifest."""
@@ -61,7 +62,7 @@ def run(
         if trials is not None:
             values["trials"] = str(trials)
         studies = [configured(name, quick, values) for name in names]
-        how = engine.Run(methods=tuple(estimator or ()), seed=seed, jobs=jobs, backend=backend)
+        how = engine.Run(methods=tuple(estimator or ()), seed=seed, jobs=jobs, backend=backend, fail_fast=fail_fast)
         for study in studies:
             engine.check(study, how)
         for study in studies:

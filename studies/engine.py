@@ -28,12 +28,15 @@ class Run:
         Blocks at a time; as joblib counts them.
     backend
         One of joblib's, of `BACKENDS`.
+    fail_fast
+        Whether the first estimate that fails ends the run; otherwise it is counted.
     """
 
     methods: tuple[str, ...] = ()
     seed: int = 2026
     jobs: int = -1
     backend: str = "loky"
+    fail_fast: bool = False
 
 
 def check(study: Study, how: Run) -> tuple[str, ...]:
@@ -96,7 +99,8 @@ def run(study: Study, how: Run, folder: Path, progress: Callable[[int, int], Non
     Raises
     ------
     ValueError
-        For an unknown estimator or backend, for a folder of another design, and for whatever the study finds wrong.
+        For an unknown estimator or backend, for a folder of another design, for whatever the study finds wrong, and
+        for the first failure where it shall end the run.
     OSError
         Where the folder cannot be written.
     """
@@ -123,15 +127,17 @@ def run(study: Study, how: Run, folder: Path, progress: Callable[[int, int], Non
 def _complete(study: Study, how: Run, store: Store, lacking: Sequence[tuple[Task, list[str]]]) -> Sequence[None]:
     threads = {"inner_max_num_threads": 1} if how.backend == "loky" else {}
     parallel = Parallel(n_jobs=how.jobs, backend=how.backend, return_as="generator_unordered", **threads)
-    done: Sequence[None] = parallel(
-        delayed(_complete_block)(study, store, task, names, how.seed) for task, names in lacking
-    )
+    done: Sequence[None] = parallel(delayed(_complete_block)(study, store, task, names, how) for task, names in lacking)
     return done
 
 
-def _complete_block(study: Study, store: Store, task: Task, names: Sequence[str], seed: int) -> None:
+def _complete_block(study: Study, store: Store, task: Task, names: Sequence[str], how: Run) -> None:
     """Measure what a block lacks, and store it with what it has, in the study's order of estimators."""
-    block = measure(study, task, names, seed)
+    block = measure(study, task, names, how.seed)
+    failures = [measurement for measurement in block.measurements if measurement.failure]
+    if how.fail_fast and failures:
+        named = " ".join(failures[0].labels.values())
+        raise ValueError(f"{named} failed at {dict(task.point)}, block {task.block}, {failures[0].failure}")
     order = list(study.methods())
     together = [*store.read(task), *block.measurements]
     together.sort(key=lambda measurement: order.index(measurement.labels["estimator"]))

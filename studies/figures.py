@@ -8,6 +8,8 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 
 MARKERS = ("o", "s", "^", "D", "v", "P")
 
+LINES = ("--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (6, 3)))
+
 
 def grid(rows: int, columns: int, *, width: float = 3.6, height: float = 2.8) -> tuple[Figure, list[list[Axes]]]:
     """A figure of panels that share their axes; sizes in inches a panel."""

@@ -2,21 +2,33 @@
 
 from collections.abc import Mapping
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 
-from estimators import DelayEstimate, Estimator, bounds
+from estimators import Estimator, bounds
 from sim import EchoPair
 from sim.band import Real
 from studies.moments import of_errors
 from studies.study import Measurement
 
 
-def timed(estimator: Estimator, pair: EchoPair) -> tuple[DelayEstimate, float]:
-    """Estimates of a pair, and the time that they took [s a pixel]."""
+class Attempt(NamedTuple):
+    """What an estimator made of a pair: delays [s], NaN where it failed; what it said then; its time [s a pixel]."""
+
+    delay: Real
+    failure: str
+    seconds_per_pixel: float
+
+
+def attempt(estimator: Estimator, pair: EchoPair) -> Attempt:
+    """Apply an estimator to a pair. Whatever it raises is kept, and no estimate of the pair counts."""
     start = perf_counter()
-    estimate = estimator.estimate(pair)
-    return estimate, (perf_counter() - start) / pair.primary.size
+    try:
+        delay, failure = estimator.estimate(pair).delay, ""
+    except Exception as error:  # Whatever a user's estimator does must not stop the study.
+        delay, failure = np.full(pair.shape, np.nan), f"{type(error).__name__}: {' '.join(str(error).split())}"
+    return Attempt(delay, failure, (perf_counter() - start) / pair.primary.size)
 
 
 def expected(
@@ -43,9 +55,9 @@ def expected(
 
 
 def measured(
-    labels: Mapping[str, str], facts: Mapping[str, float], errors: Real, outlier: float, seconds_per_pixel: float
+    labels: Mapping[str, str], facts: Mapping[str, float], errors: Real, outlier: float, made: Attempt
 ) -> Measurement:
-    """Sum up the errors of an estimator.
+    """Sum up the errors of an attempt.
 
     Parameters
     ----------
@@ -55,16 +67,16 @@ def measured(
         Delay errors [s], shape (cluster, trial); one that is not finite is a failure.
     outlier
         Error beyond which an estimate is an outlier [s].
-    seconds_per_pixel
-        Time of the estimates.
+    made
+        What they come from.
     """
     failed = ~np.isfinite(errors)
-    first = f"trial {int(np.argmax(failed.any(axis=1)))}: not a finite number" if failed.any() else ""
+    first = f"trial {int(np.argmax(failed.any(axis=1)))}: {made.failure or 'not a finite number'}"
     return Measurement(
         labels=labels,
         facts=facts,
         moments=of_errors(errors / facts["wrap"], np.abs(errors) > outlier),
         failures=int(failed.sum()),
-        failure=first,
-        seconds_per_pixel=seconds_per_pixel,
+        failure=first if failed.any() else "",
+        seconds_per_pixel=made.seconds_per_pixel,
     )

@@ -110,5 +110,5 @@ def _quadratic(weights: Real, products: Real) -> float:
 
 
 def _root(square: Statistic) -> Statistic:
-    root = float(np.sqrt(max(square.value, 0.0)))
-    return Statistic(root, square.error / (2 * root) if root > 0 else 0.0)
+    root = float(np.sqrt(np.maximum(square.value, 0.0)))
+    return Statistic(root, 0.0 if root == 0 else square.error / (2 * root))

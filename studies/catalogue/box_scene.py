@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from estimators import (
     CrossCorrelation,
-    DelayEstimate,
     Estimator,
     FixedWindow,
     FullBandPhaseSlope,
@@ -25,7 +24,7 @@ from sim import Box, EchoPair, Scene, Sonar, Wedge, checks, simulate
 from sim.band import Real
 from sim.simulate import time_grid
 from studies import figures
-from studies.measure import expected, measured, timed
+from studies.measure import Attempt, attempt, expected, measured
 from studies.study import Block, Measurement, Point, Traces
 
 Method = Callable[[FixedWindow], Estimator]
@@ -141,21 +140,19 @@ class BoxScene:
         for name in methods:
             for samples in (1,) if name in SINGLE_PIXEL else self.windows:
                 window = FixedWindow(1, samples)
-                estimate, seconds = timed(METHODS[name](window), pair)
-                traces[f"{name} {window}"] = estimate.delay[0]
-                measurements += self._errors(point, pair, name, window, estimate, seconds)
+                made = attempt(METHODS[name](window), pair)
+                traces[f"{name} {window}"] = made.delay[0]
+                measurements += self._errors(point, pair, name, window, made)
         return Block(measurements, traces)
 
-    def _errors(
-        self, point: Point, pair: EchoPair, name: str, window: FixedWindow, estimate: DelayEstimate, seconds: float
-    ) -> list[Measurement]:
+    def _errors(self, point: Point, pair: EchoPair, name: str, window: FixedWindow, made: Attempt) -> list[Measurement]:
         """Errors outside layover and in it; there, against the nearest of the parts that are heard at once."""
         truth = pair.truth
         assert truth is not None
         assert truth.branches is not None
         assert truth.layover is not None
-        outside = estimate.delay - truth.delay
-        deviations = estimate.delay[None] - truth.branches[:, None, :]
+        outside = made.delay - truth.delay
+        deviations = made.delay[None] - truth.branches[:, None, :]
         nearest = np.nanargmin(np.where(np.isnan(deviations), np.inf, np.abs(deviations)), axis=0)
         inside = np.take_along_axis(deviations, nearest[None], axis=0)[0]
         snr = 10 ** (point["snr_db"] / 10) if point["snr_db"] is not None else np.inf
@@ -170,7 +167,7 @@ class BoxScene:
         }
         labels = {"estimator": name, "window": str(window)}
         return [
-            measured({**labels, "region": region}, facts, errors, 0.5 / self.bandwidth, seconds)
+            measured({**labels, "region": region}, facts, errors, 0.5 / self.bandwidth, made)
             for region, errors in regions.items()
         ]
 

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from estimators import CrossCorrelation, Estimator, FixedWindow, FullBandPhaseSlope, SplitSpectrum
 from sim import checks, speckle_pair
 from studies import figures
-from studies.measure import expected, measured, timed
+from studies.measure import attempt, expected, measured
 from studies.study import Block, Point, Traces
 
 METHODS: Mapping[str, Callable[[FixedWindow], Estimator]] = MappingProxyType(
@@ -104,11 +104,11 @@ class WrapErrors:
         window = FixedWindow(1, looks)
         measurements = []
         for name in methods:
-            estimate, seconds = timed(METHODS[name](window), pair)
-            errors = estimate.delay[:, :1] - pair.truth.delay
+            made = attempt(METHODS[name](window), pair)
+            errors = made.delay[:, :1] - pair.truth.delay
             facts = expected(name, looks, coherence, self.centre_frequency, bandwidth)
             labels = {"estimator": name, "window": str(window)}
-            measurements.append(measured(labels, facts, errors, 0.5 / bandwidth, seconds))
+            measurements.append(measured(labels, facts, errors, 0.5 / bandwidth, made))
         return Block(measurements, {})
 
     def summary(self, table: pd.DataFrame) -> pd.DataFrame:
@@ -171,7 +171,7 @@ def _offset(number: int) -> float:
 
 def _wrap_rates(panel: Axes, rows: pd.DataFrame, number: int, name: str) -> None:
     colour, floor = figures.COLOURS[number], 0.2 / rows.trials.max()
-    panel.plot(rows.snr_db, rows.predicted_wrap_rate, color=colour, linewidth=1, linestyle=("--", ":", "-.")[number])
+    panel.plot(rows.snr_db, rows.predicted_wrap_rate, color=colour, linewidth=1, linestyle=figures.LINES[number])
     snr = rows.snr_db + _offset(number)
     # Without a wrap error only the upper end of the interval is known.
     rate = rows.wrap_rate.where(rows.wrap_errors > 0, floor)

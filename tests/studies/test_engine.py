@@ -10,10 +10,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from estimators import CrossCorrelation
 from studies import engine, manifest, report, seeds
-from studies.catalogue import STUDIES
+from studies.catalogue import STUDIES, wrap_errors
 from studies.engine import Run
-from studies.measure import measured
+from studies.measure import Attempt, measured
 from studies.table import row
 
 
@@ -188,7 +189,7 @@ def test_traces_of_the_box_scene_read_back(tmp_path):
 def test_failed_estimates_are_counted_and_in_no_other_statistic():
     facts = {"wrap": 2.0, "crlb": 0.1}
     errors = np.array([[0.2], [-0.2], [np.nan], [4.0]])
-    measurement = measured({"estimator": "x"}, facts, errors, 3.0, 1.0)
+    measurement = measured({"estimator": "x"}, facts, errors, 3.0, Attempt(errors, "", 1.0))
     assert measurement.failure == "trial 2: not a finite number"
     found = row({"point": 1}, [measurement])
     assert found["trials"] == 4
@@ -198,3 +199,45 @@ def test_failed_estimates_are_counted_and_in_no_other_statistic():
     assert found["delay_std_in_wrap"] == pytest.approx(0.2)
     assert found["std_over_crlb"] == pytest.approx(2.0)
     assert found["rmse"] == pytest.approx(np.sqrt((0.04 + 0.04 + 16.0) / 3))
+
+
+class Broken(CrossCorrelation):
+    """Raises at low SNR, gives no number for one record otherwise."""
+
+    def estimate(self, pair):
+        found = super().estimate(pair)
+        if np.median(found.coherence) < 0.7:
+            raise RuntimeError("too\nnoisy")
+        delay = found.delay.copy()
+        delay[7] = np.nan
+        return replace(found, delay=delay)
+
+
+@pytest.fixture
+def with_broken(monkeypatch):
+    monkeypatch.setattr(wrap_errors, "METHODS", {**wrap_errors.METHODS, "broken": Broken})
+
+
+def test_an_estimator_that_fails_becomes_rows_and_the_study_goes_on(small, plain, tmp_path, with_broken):
+    folder = tmp_path / "failing"
+    engine.run(small, Run(jobs=1, backend="sequential"), folder)
+    found = report.result(small, engine.store_of(small, 2026, folder), tuple(small.methods()))
+    others = found.table[found.table.estimator != "broken"].drop(columns="seconds_per_pixel").reset_index(drop=True)
+    pd.testing.assert_frame_equal(others, plain, check_exact=True)
+    broken = found.table[found.table.estimator == "broken"].set_index("snr_db")
+    assert broken.failures.to_dict() == {0.0: 300, 10.0: 3}
+    assert broken.trials.to_dict() == {0.0: 300, 10.0: 300}
+    assert np.isnan(broken.wrap_rate[0.0])
+    assert broken.wrap_rate[10.0] < 0.2
+    report.write(small, found, folder)
+    failures = pd.read_csv(folder / "failures.csv")
+    assert list(failures.block) == [0, 1, 2, 0, 1, 2]
+    assert list(failures["first"])[2:4] == ["trial 0: RuntimeError: too noisy", "trial 7: not a finite number"]
+
+
+def test_fail_fast_ends_at_the_first_failure_and_keeps_what_is_done(small, tmp_path, with_broken):
+    engine.run(small, Run(methods=("cross-correlation",), jobs=1), tmp_path)
+    with pytest.raises(ValueError, match=r"^broken 1x9 failed at .*0\.0.*, block 0, trial 0: RuntimeError: too noisy"):
+        engine.run(small, Run(jobs=1, backend="sequential", fail_fast=True), tmp_path)
+    store = engine.store_of(small, 2026, tmp_path)
+    assert all(store.read(task) for task in engine.tasks(small))
