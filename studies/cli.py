@@ -50,7 +50,8 @@ def run(
     ] = None,
     trials: Annotated[int | None, typer.Option(help="Trials at each design point.")] = None,
     jobs: Annotated[int, typer.Option(help="Blocks at a time; -1 for one a processor.")] = -1,
-    backend: Annotated[str, typer.Option(help="loky, threading or sequential.")] = "loky",
+    backend: Annotated[str, typer.Option(help="loky, threading, sequential or dask.")] = "loky",
+    scheduler: Annotated[str | None, typer.Option(help="Address of a Dask scheduler, for --backend dask.")] = None,
     seed: Annotated[int, typer.Option(help="Root of all random numbers.")] = 2026,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out"),
     fail_fast: Annotated[bool, typer.Option("--fail-fast", help="End at the first estimate that fails.")] = False,
@@ -62,7 +63,14 @@ def run(
         if trials is not None:
             values["trials"] = str(trials)
         studies = [configured(name, quick, values) for name in names]
-        how = engine.Run(methods=tuple(estimator or ()), seed=seed, jobs=jobs, backend=backend, fail_fast=fail_fast)
+        how = engine.Run(
+            methods=tuple(estimator or ()),
+            seed=seed,
+            jobs=jobs,
+            backend=backend,
+            scheduler=scheduler,
+            fail_fast=fail_fast,
+        )
         for study in studies:
             engine.check(study, how)
         for study in studies:

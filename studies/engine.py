@@ -1,17 +1,16 @@
 """Run a study: blocks of trials, in parallel, into a store that any later run goes on with."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from joblib import Parallel, delayed
+from joblib import delayed
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from studies import manifest, seeds
 from studies.blocks import Store, Task
+from studies.parallel import BACKENDS, parallel
 from studies.study import Block, Study
-
-BACKENDS = ("loky", "threading", "sequential")
 
 
 @dataclass(frozen=True)
@@ -28,6 +27,8 @@ class Run:
         Blocks at a time; as joblib counts them.
     backend
         One of joblib's, of `BACKENDS`.
+    scheduler
+        Address of a running Dask scheduler, for the backend "dask". Its workers must see the folder of the run.
     fail_fast
         Whether the first estimate that fails ends the run; otherwise it is counted.
     """
@@ -36,6 +37,7 @@ class Run:
     seed: int = 2026
     jobs: int = -1
     backend: str = "loky"
+    scheduler: str | None = None
     fail_fast: bool = False
 
 
@@ -47,6 +49,10 @@ def check(study: Study, how: Run) -> tuple[str, ...]:
             raise ValueError(f"estimator is {name!r}; of {study.name} it must be one of {', '.join(known)}")
     if how.backend not in BACKENDS:
         raise ValueError(f"backend is {how.backend!r}; it must be one of {', '.join(BACKENDS)}")
+    if (how.backend == "dask") != (how.scheduler is not None):
+        raise ValueError(
+            f"scheduler is {how.scheduler!r}; the backend dask needs one, such as tcp://host:8786, no other"
+        )
     seeds.check(how.seed)
     if how.jobs == 0:
         raise ValueError("jobs is 0; it must be 1 or more, or -1 for one a processor")
@@ -124,11 +130,10 @@ def run(study: Study, how: Run, folder: Path, progress: Callable[[int, int], Non
     progress(len(wanted), len(wanted))
 
 
-def _complete(study: Study, how: Run, store: Store, lacking: Sequence[tuple[Task, list[str]]]) -> Sequence[None]:
-    threads = {"inner_max_num_threads": 1} if how.backend == "loky" else {}
-    parallel = Parallel(n_jobs=how.jobs, backend=how.backend, return_as="generator_unordered", **threads)
-    done: Sequence[None] = parallel(delayed(_complete_block)(study, store, task, names, how) for task, names in lacking)
-    return done
+def _complete(study: Study, how: Run, store: Store, lacking: Sequence[tuple[Task, list[str]]]) -> Iterator[None]:
+    """Complete the blocks that lack something; yields as each is stored."""
+    with parallel(how.backend, how.jobs, how.scheduler) as workers:
+        yield from workers(delayed(_complete_block)(study, store, task, names, how) for task, names in lacking)
 
 
 def _complete_block(study: Study, store: Store, task: Task, names: Sequence[str], how: Run) -> None:

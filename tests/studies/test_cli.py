@@ -38,7 +38,11 @@ def command(*arguments):
         ),
         (["wrap-errors", "--trials", "0"], "trials is 0; it must be a whole number of at least 1"),
         (["wrap-errors", "--seed", "-1"], "seed is -1; it must lie between 0 and 2^128 - 1"),
-        (["wrap-errors", "--backend", "mpi"], "backend is 'mpi'; it must be one of loky, threading, sequential"),
+        (["wrap-errors", "--backend", "mpi"], "backend is 'mpi'; it must be one of loky, threading, sequential, dask"),
+        (
+            ["wrap-errors", "--backend", "dask"],
+            "scheduler is None; the backend dask needs one, such as tcp://host:8786",
+        ),
         (["wrap-errors", "--jobs", "0"], "jobs is 0; it must be 1 or more, or -1 for one a processor"),
     ],
 )

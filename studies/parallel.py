@@ -1,0 +1,52 @@
+"""Where blocks are computed: in this process, in threads or processes, or on the workers of a Dask scheduler."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from joblib import Parallel, parallel_config
+
+BACKENDS = ("loky", "threading", "sequential", "dask")
+
+
+@contextmanager
+def parallel(backend: str, jobs: int, scheduler: str | None) -> Iterator[Parallel]:
+    """Workers that give results as they are done, in any order.
+
+    Processes of loky and Dask compute in one thread each, so that they do not crowd each other out.
+
+    Parameters
+    ----------
+    backend
+        One of `BACKENDS`.
+    jobs
+        Blocks at a time; of no meaning to Dask, which asks its scheduler.
+    scheduler
+        Address of a running Dask scheduler, for the backend "dask".
+
+    Raises
+    ------
+    ValueError
+        Where Dask is asked for and not installed.
+    OSError
+        Where its scheduler does not answer, or goes away.
+    """
+    if backend == "dask":
+        with _dask(scheduler), parallel_config(backend="dask"):
+            yield Parallel(n_jobs=-1, return_as="generator_unordered")
+    else:
+        threads = {"inner_max_num_threads": 1} if backend == "loky" else {}
+        yield Parallel(n_jobs=jobs, backend=backend, return_as="generator_unordered", **threads)
+
+
+@contextmanager
+def _dask(scheduler: str | None) -> Iterator[None]:
+    try:
+        from distributed import CancelledError, Client
+    except ImportError:
+        raise ValueError("backend is dask; it must be installed: pip install 'twinecho[dask]'") from None
+    try:
+        with Client(scheduler, timeout="10s", set_as_default=True):
+            yield
+    except (OSError, TimeoutError, CancelledError) as error:
+        said = str(error) or type(error).__name__
+        raise OSError(f"the Dask scheduler {scheduler} does not answer: {said}; what was done is stored") from None
