@@ -1,9 +1,6 @@
 """Sums over trials from which all statistics follow; sums of blocks add up to those of a study."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import reduce
-from operator import add
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,8 +54,3 @@ def of_errors(errors: Real, outliers: NDArray[np.bool_]) -> Moments:
     per_trial = (tried, wrong, tried & outliers, right, right * error, right * error**2, error, error**2)
     sums = np.stack([quantity.sum(axis=1) for quantity in per_trial], axis=1, dtype=np.float64)
     return Moments(len(errors), sums.sum(axis=0), sums.T @ sums)
-
-
-def merged(moments: Iterable[Moments]) -> Moments:
-    """Moments of several blocks together, added in their order."""
-    return reduce(add, moments)

@@ -1,7 +1,7 @@
 """What a study is: a question, its design points, and what one block of trials measures."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import Field, dataclass
+from dataclasses import Field, dataclass, replace
 from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
@@ -36,7 +36,7 @@ class Measurement:
     failure
         What the first of them said, and the trial; empty where none failed.
     seconds_per_pixel
-        Time of the estimate over the number of pixels.
+        Time of the estimate over the number of pixels; the mean over clusters.
     """
 
     labels: Mapping[str, str]
@@ -45,6 +45,18 @@ class Measurement:
     failures: int
     failure: str
     seconds_per_pixel: float
+
+    def __add__(self, other: "Measurement") -> "Measurement":
+        """The same estimator over this block and a later one."""
+        clusters = self.moments.clusters, other.moments.clusters
+        return replace(
+            self,
+            moments=self.moments + other.moments,
+            failures=self.failures + other.failures,
+            failure=self.failure or other.failure,
+            seconds_per_pixel=(clusters[0] * self.seconds_per_pixel + clusters[1] * other.seconds_per_pixel)
+            / sum(clusters),
+        )
 
 
 @dataclass(frozen=True, eq=False)

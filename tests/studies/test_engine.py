@@ -191,7 +191,7 @@ def test_failed_estimates_are_counted_and_in_no_other_statistic():
     errors = np.array([[0.2], [-0.2], [np.nan], [4.0]])
     measurement = measured({"estimator": "x"}, facts, errors, 3.0, Attempt(errors, "", 1.0))
     assert measurement.failure == "trial 2: not a finite number"
-    found = row({"point": 1}, [measurement])
+    found = row({"point": 1}, measurement)
     assert found["trials"] == 4
     assert found["failures"] == 1
     assert found["wrap_errors"] == 1

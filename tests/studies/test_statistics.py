@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studies import statistics
-from studies.moments import merged, of_errors
+from studies.moments import of_errors
 
 
 def moments(errors):
@@ -54,7 +54,7 @@ def test_copies_within_a_cluster_add_no_certainty(copies, seed):
 @given(st.integers(1, 20), st.integers(1, 20), st.integers(0, 2**32 - 1))
 def test_moments_of_blocks_add_up(first, second, seed):
     errors = np.random.default_rng(seed).normal(size=(first + second, 3))
-    whole, parts = moments(errors), merged([moments(errors[:first]), moments(errors[first:])])
+    whole, parts = moments(errors), moments(errors[:first]) + moments(errors[first:])
     assert parts.clusters == whole.clusters
     np.testing.assert_allclose(parts.totals, whole.totals, atol=1e-12)
     np.testing.assert_allclose(parts.products, whole.products, atol=1e-12)
