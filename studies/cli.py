@@ -7,6 +7,7 @@ from dataclasses import fields, replace
 from difflib import get_close_matches
 from itertools import chain, count
 from pathlib import Path
+from time import perf_counter
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import pandas as pd
@@ -206,9 +207,30 @@ def _run_with_progress(study: Study, how: engine.Run, folder: Path) -> None:
         TimeElapsedColumn(),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=Console(stderr=True)) as bar:
+    terminal = Console(stderr=True)
+    if not terminal.is_terminal:
+        engine.run(study, how, folder, _Lines(study.name))
+        return
+    with Progress(*columns, console=terminal) as bar:
         task = bar.add_task(study.name)
         engine.run(study, how, folder, lambda done, total: bar.update(task, completed=done, total=total))
+
+
+class _Lines:
+    """Progress as a plain line for each tenth of the blocks, with the time that the rest will take."""
+
+    def __init__(self, name: str) -> None:
+        self.name, self.start, self.first, self.shown = name, perf_counter(), -1, -1
+
+    def __call__(self, done: int, total: int) -> None:
+        tenth = 10 * done // total
+        self.first = done if self.first < 0 else self.first
+        if tenth == self.shown:
+            return
+        self.shown = tenth
+        seconds = perf_counter() - self.start
+        left = f", {seconds * (total - done) / (done - self.first):.0f} s left" if done > self.first else ""
+        print(f"{self.name}: {done} of {total} blocks in {seconds:.0f} s{left}", file=sys.stderr, flush=True)
 
 
 def _report(study: Study, methods: tuple[str, ...], seed: int, folder: Path) -> None:

@@ -74,6 +74,8 @@ def test_run_ends_with_a_table_and_the_paths_of_what_it_wrote(tmp_path):
     found = command("run", "wrap-errors", *small, "--out", tmp_path)
     assert found.exit_code == 0, found.output
     assert "cross-correlation" in found.stdout
+    assert found.stderr.splitlines()[0] == "wrap-errors: 0 of 1 blocks in 0 s"
+    assert found.stderr.splitlines()[-1].startswith("wrap-errors: 1 of 1 blocks in ")
     for line in found.stdout.strip().splitlines()[-4:]:
         assert (tmp_path / "wrap-errors").joinpath(line.split("wrap-errors/")[-1]).is_file()
 
