@@ -1,12 +1,12 @@
 """The symmetric lag product, `A(t, tau) = p*(t - tau/2) s(t + tau/2)`, on which every method here stands."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from estimators.moving_sum import Number
 from estimators.windows import FixedWindow
 from sim.band import Complex, Real
 
@@ -35,7 +35,39 @@ class LagStack:
         return len(self.products) // 2
 
 
-def upsampled_planes(series: Complex, factor: int) -> Complex:
+@dataclass(frozen=True, eq=False)
+class Planes:
+    """A periodic series, or what was made of it, at several instants a sample.
+
+    Attributes
+    ----------
+    values
+        Shape (instant, rows, margin + samples + margin), the margins its periodic continuation; (instant, rows, 1) for
+        what is the same at every sample. Plane `j` holds the series at `j / len(values)` after each sample.
+    margin
+        Samples of continuation on either side.
+    """
+
+    values: NDArray[Any]
+    margin: int
+
+    def at(self, offset: int) -> NDArray[Any]:
+        """The series at `offset / len(values)` samples after each sample; a view, shape (rows, samples)."""
+        whole, part = divmod(offset, len(self.values))
+        plane = self.values[part]
+        first = self.margin + whole
+        series: NDArray[Any] = plane[:, first : first + plane.shape[1] - 2 * self.margin]
+        return series
+
+
+def extended(values: NDArray[Any], margin: int) -> Planes:
+    """Planes with their periodic continuation; what is the same at every sample needs none."""
+    if values.shape[-1] == 1:
+        return Planes(values, 0)
+    return Planes(np.pad(values, ((0, 0), (0, 0), (margin, margin)), mode="wrap"), margin)
+
+
+def upsampled(series: Complex, factor: int) -> Complex:
     """Band-limited interpolation of periodic series at `factor` instants a sample.
 
     Parameters
@@ -48,7 +80,7 @@ def upsampled_planes(series: Complex, factor: int) -> Complex:
     Returns
     -------
     array
-        Shape (factor, rows, samples): plane `j` holds the series at `j / factor` after each sample.
+        Shape (factor, rows, samples).
     """
     rows, samples = series.shape
     spectrum = scipy.fft.fft(series, axis=-1)
@@ -63,33 +95,27 @@ def upsampled_planes(series: Complex, factor: int) -> Complex:
     return np.ascontiguousarray(np.moveaxis(fine.reshape(rows, samples, factor), -1, 0))
 
 
-def at_offset(planes: NDArray[Number], offset: int) -> NDArray[Number]:
-    """Series at `offset / factor` samples after each sample, from its upsampled planes."""
-    factor = len(planes)
-    whole, part = divmod(offset, factor)
-    return np.roll(planes[part], -whole, axis=-1)
+def lag_product(primary: Planes, secondary: Planes, lag: int) -> Complex:
+    """Lag product at a whole lag, from planes of the conjugate primary and of the secondary.
 
-
-def lag_product(primary: Complex, secondary: Complex, lag: int) -> Complex:
-    """Lag product at a whole lag, from upsampled planes of the conjugate primary and of the secondary.
-
-    With `U` planes a sample this is `A(t, tau)` at `tau = 2 lag / (U sample_rate)`: exactly the phase-corrected
+    With `U` instants a sample this is `A(t, tau)` at `tau = 2 lag / (U sample_rate)`: exactly the phase-corrected
     interferogram that paper A sums from its frequential cross-correlation matrix (equations 15 to 18), at O(1) a
     pixel and lag.
 
     Parameters
     ----------
     primary, secondary
-        `upsampled_planes` of `p*` and of `s`, shape (U, rows, samples).
+        Planes of `p*` and of `s`.
     lag
-        Any whole number.
+        A whole number, at most `U` times the margin either way.
 
     Returns
     -------
     array
         Shape (rows, samples).
     """
-    return at_offset(primary, -lag) * at_offset(secondary, lag)
+    product: Complex = primary.at(-lag) * secondary.at(lag)
+    return product
 
 
 def lag_stack(
@@ -110,14 +136,15 @@ def lag_stack(
     sample_rate
         Samples per second [Hz].
     """
-    before, after = upsampled_planes(primary.conj(), factor), upsampled_planes(secondary, factor)
-    energy_before, energy_after = window.sum(power(before)), window.sum(power(after))
-    lags = range(-reach, reach + 1)
-    shape = (len(lags), *energy_before.shape[1:])
+    margin = reach // factor + 1
+    series = upsampled(primary.conj(), factor), upsampled(secondary, factor)
+    energy_before, energy_after = (extended(np.sqrt(window.sum(power(planes))), margin) for planes in series)
+    before, after = (extended(planes, margin) for planes in series)
+    shape = (2 * reach + 1, *energy_before.at(0).shape)
     products, energies = np.empty(shape, dtype=np.complex128), np.empty(shape)
-    for products_at, energies_at, lag in zip(products, energies, lags, strict=True):
+    for products_at, energies_at, lag in zip(products, energies, range(-reach, reach + 1), strict=True):
         products_at[...] = window.sum(lag_product(before, after, lag))
-        energies_at[...] = np.sqrt(at_offset(energy_before, -lag) * at_offset(energy_after, lag))
+        np.multiply(energy_before.at(-lag), energy_after.at(lag), out=energies_at)
     return LagStack(products, energies, 2 / (factor * sample_rate))
 
 

@@ -69,6 +69,6 @@ def debias_coherence(sample_coherence: ArrayLike, looks: float) -> Real:
     squared = np.asarray(sample_coherence, dtype=float) ** 2
     if looks <= 1:
         return np.zeros_like(squared)
-    coherence = np.linspace(0.0, 1.0, NODES)
+    coherence = np.sin(np.linspace(0.0, np.pi / 2, NODES))
     debiased: Real = np.sqrt(np.interp(squared, sample_coherence_mean_square(looks, coherence), coherence**2))
     return debiased

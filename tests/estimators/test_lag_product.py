@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from estimators.lag_product import lag_product, upsampled_planes
+from estimators.lag_product import extended, lag_product, upsampled
 
 
 def matrix_definition(primary, secondary, delay):
@@ -37,15 +37,15 @@ def test_lag_product_equals_the_matrix_definition(half, factor, lag, seed):
     samples = 2 * half + 1
     rng = np.random.default_rng(seed)
     primary, secondary = rng.normal(size=(2, samples)) + 1j * rng.normal(size=(2, samples))
-    product = lag_product(
-        upsampled_planes(primary.conj()[None], factor), upsampled_planes(secondary[None], factor), lag
-    )[0]
+    margin = 12
+    planes = (extended(upsampled(series[None], factor), margin) for series in (primary.conj(), secondary))
+    product = lag_product(*planes, lag)[0]
     direct = matrix_definition(primary, secondary, 2 * lag / factor)
     np.testing.assert_allclose(product, direct, atol=1e-10 * np.abs(direct).max())
 
 
 @given(st.integers(1, 40), st.integers(1, 5), st.integers(0, 2**32 - 1))
-def test_upsampled_planes_interpolate_the_band(samples, factor, seed):
+def test_upsampling_interpolates_the_band(samples, factor, seed):
     rng = np.random.default_rng(seed)
     harmonics = np.arange(-((samples - 1) // 2), (samples - 1) // 2 + 1)
     spectrum = rng.normal(size=len(harmonics)) + 1j * rng.normal(size=len(harmonics))
@@ -53,6 +53,6 @@ def test_upsampled_planes_interpolate_the_band(samples, factor, seed):
     def series(times):
         return np.exp(2j * np.pi * np.outer(times, harmonics) / samples) @ spectrum
 
-    planes = upsampled_planes(series(np.arange(samples))[None], factor)
+    planes = upsampled(series(np.arange(samples))[None], factor)
     for part, plane in enumerate(planes):
         np.testing.assert_allclose(plane[0], series(np.arange(samples) + part / factor), atol=1e-9)
