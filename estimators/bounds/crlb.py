@@ -1,0 +1,99 @@
+"""Cramer-Rao lower bounds of interferometric phase, delay and depth, as standard deviations.
+
+All start from the phase-variance bound `K = (1 - gamma^2) / (2 N gamma^2)` [rad^2] of N independent looks at
+coherence gamma. `looks` (N > 0, real) and `coherence` (magnitude in [0, 1]) broadcast with all other arguments;
+outside these ranges the result is NaN. Zero coherence gives infinity, full coherence gives zero. Frequencies and
+lengths that are not finite and positive raise ValueError.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .conventions import Floats, positive, within
+
+
+def phase_crlb(looks: ArrayLike, coherence: ArrayLike) -> Floats:
+    """Bound of the interferometric phase [rad]: `sqrt(K)`.
+
+    Source: Seymour and Cumming 1994; paper B (Saebo and Hansen 2023), eq. 3 without its geometry.
+    """
+    n = within(looks, 0.0, np.inf)
+    gamma = within(coherence, 0.0, 1.0)
+    # (1 - g)(1 + g) keeps all digits near g = 1, and no square underflows near g = 0.
+    with np.errstate(divide="ignore"):
+        return np.sqrt((1.0 - gamma) * (1.0 + gamma)) / gamma / np.sqrt(2.0 * np.where(n > 0.0, n, np.nan))
+
+
+def group_delay_crlb(looks: ArrayLike, coherence: ArrayLike, bandwidth: ArrayLike) -> Floats:
+    """Bound of the delay [s] when the phase offset is unknown: `sqrt(12 K) / (2 pi B)`, flat bandwidth B [Hz].
+
+    Source: Fisher information of a flat band, whose mean square frequency about its centre is `B^2 / 12`.
+    """
+    b = positive("bandwidth", bandwidth, "Hz")
+    return phase_crlb(looks, coherence) * np.sqrt(12.0) / (2.0 * np.pi * b)
+
+
+def coherent_delay_crlb(
+    looks: ArrayLike, coherence: ArrayLike, centre_frequency: ArrayLike, bandwidth: ArrayLike
+) -> Floats:
+    """Bound of the delay [s] from carrier phase and band together, the wrap being known.
+
+    `sqrt(K) / (2 pi sqrt(fc^2 + B^2 / 12))` with centre frequency fc [Hz] and flat bandwidth B [Hz].
+    Source: Fisher information of a flat band about zero frequency.
+    """
+    fc = positive("centre_frequency", centre_frequency, "Hz")
+    b = positive("bandwidth", bandwidth, "Hz")
+    return phase_crlb(looks, coherence) / (2.0 * np.pi * np.hypot(fc, b / np.sqrt(12.0)))
+
+
+def split_spectrum_crlb(
+    looks: ArrayLike, coherence: ArrayLike, bandwidth: ArrayLike, sub_bandwidth: ArrayLike
+) -> Floats:
+    """Bound of the delay [s] from the phase difference of the two outer sub-bands of width b [Hz].
+
+    Group-delay bound times `sqrt(B^3 / (6 b (B - b)^2))`, least at `b = B / 3`, where the factor is `sqrt(9 / 8)`.
+    `looks` counts the full band B [Hz]. ValueError where the sub-bands overlap, `b > B / 2`.
+    Source: two independent phases of `N b / B` looks each, `B - b` apart.
+    """
+    total = positive("bandwidth", bandwidth, "Hz")
+    sub = positive("sub_bandwidth", sub_bandwidth, "Hz")
+    share = sub / total
+    if np.any(share > 0.5):
+        raise ValueError(f"sub_bandwidth is {np.max(share):g} of the bandwidth; it must be at most one half")
+    loss = 1.0 / (np.sqrt(6.0 * share) * (1.0 - share))
+    return group_delay_crlb(looks, coherence, total) * loss
+
+
+def intensity_delay_crlb(looks: ArrayLike, coherence: ArrayLike, bandwidth: ArrayLike) -> Floats:
+    """Bound of the delay [s] from speckle intensities alone (incoherent tracking), flat bandwidth B [Hz].
+
+    `sqrt(3 / (10 N)) sqrt(2 + 5 gamma^2 - 7 gamma^4) / (pi gamma^2 B)`.
+    Source: Bamler and Eineder 2005; the polynomial is factored as `(1 - gamma^2)(2 + 7 gamma^2)`.
+    """
+    b = positive("bandwidth", bandwidth, "Hz")
+    gamma = within(coherence, 0.0, 1.0)
+    with np.errstate(divide="ignore", over="ignore"):
+        excess = np.sqrt(2.0 + 7.0 * gamma**2) / gamma
+        return np.sqrt(0.6) / (np.pi * b) * phase_crlb(looks, coherence) * excess
+
+
+def depth_crlb(
+    looks: ArrayLike,
+    coherence: ArrayLike,
+    centre_frequency: ArrayLike,
+    slant_range: ArrayLike,
+    baseline: ArrayLike,
+    sound_speed: ArrayLike = 1500.0,
+) -> Floats:
+    """Bound of the depth [m] from phase alone, the wrap being known: `(r c / D) sqrt(K) / (2 pi fc)`.
+
+    Centre frequency fc [Hz], slant range r [m], vertical baseline D [m], sound speed c [m/s].
+    Source: paper B (Saebo and Hansen 2023), eq. 3.
+    """
+    fc = positive("centre_frequency", centre_frequency, "Hz")
+    r = positive("slant_range", slant_range, "m")
+    d = positive("baseline", baseline, "m")
+    c = positive("sound_speed", sound_speed, "m/s")
+    return phase_crlb(looks, coherence) * (r * c / d) / (2.0 * np.pi * fc)
