@@ -25,7 +25,8 @@ def positive(name: str, value: ArrayLike, unit: str) -> Floats:
 
 
 def coherence_from_snr(snr: ArrayLike) -> Floats:
-    """Coherence magnitude `gamma = rho / (1 + rho)` of two equally noisy channels.
+    """
+    Coherence magnitude `gamma = rho / (1 + rho)` of two equally noisy channels.
 
     `snr` is the power ratio `rho` of one channel, of any shape; infinity gives 1, negative values give NaN.
     Source: common signal, independent noise of equal power in both channels (theory section 2).
@@ -36,7 +37,8 @@ def coherence_from_snr(snr: ArrayLike) -> Floats:
 
 
 def snr_from_coherence(coherence: ArrayLike) -> Floats:
-    """Signal-to-noise ratio `rho = gamma / (1 - gamma)` (power ratio) of two equally noisy channels.
+    """
+    Signal-to-noise ratio `rho = gamma / (1 - gamma)` (power ratio) of two equally noisy channels.
 
     `coherence` is the magnitude in [0, 1], of any shape; 1 gives infinity, values outside [0, 1] give NaN.
     Source: paper B (Saebo and Hansen 2023), eq. 4.
@@ -47,9 +49,10 @@ def snr_from_coherence(coherence: ArrayLike) -> Floats:
 
 
 def effective_looks(time_bandwidth: ArrayLike) -> Floats:
-    """Equivalent independent looks `N_eff` of a boxcar window of length T on speckle of flat bandwidth B.
+    """
+    Equivalent independent looks `N_eff` of a boxcar window of length T on speckle of flat bandwidth B.
 
-    `time_bandwidth` is the product `B T` up to 1e300, of any shape; zero gives one look, negative values give NaN.
+    `time_bandwidth` is the product `B T` in [0, 1e300], of any shape; zero gives one look; NaN elsewhere.
     `1 / N_eff = 2 int_0^1 (1 - u) sinc(B T u)^2 du`, which with `x = pi B T` is
     `2 Si(2 x) / x - 2 (sin(x) / x)^2 - Cin(2 x) / x^2`, where `Cin(z) = int_0^z (1 - cos t) / t dt`.
     """

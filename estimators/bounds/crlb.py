@@ -1,9 +1,10 @@
-"""Cramer-Rao lower bounds of interferometric phase, delay and depth, as standard deviations.
+"""
+Cramer-Rao lower bounds of interferometric phase, delay and depth, as standard deviations.
 
-All start from the phase-variance bound `K = (1 - gamma^2) / (2 N gamma^2)` [rad^2] of N independent looks at
-coherence gamma. `looks` (N > 0, real) and `coherence` (magnitude in [0, 1]) broadcast with all other arguments;
-outside these ranges the result is NaN. Zero coherence gives infinity, full coherence gives zero. Frequencies and
-lengths that are not finite and positive raise ValueError.
+All start from the phase-variance bound `K = (1 - gamma^2) / (2 N gamma^2)` [rad^2] of N independent looks
+at coherence gamma. `looks` (N > 0, real) and `coherence` (magnitude in [0, 1]) broadcast with all other
+arguments; outside these ranges the result is NaN. Zero coherence gives infinity, full coherence gives zero.
+Frequencies and lengths that are not finite and positive raise ValueError.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ from .conventions import Floats, positive, within
 
 
 def phase_crlb(looks: ArrayLike, coherence: ArrayLike) -> Floats:
-    """Bound of the interferometric phase [rad]: `sqrt(K)`.
+    """
+    Bound of the interferometric phase [rad]: `sqrt(K)`.
 
     Source: Seymour and Cumming 1994; paper B (Saebo and Hansen 2023), eq. 3 without its geometry.
     """
@@ -23,37 +25,43 @@ def phase_crlb(looks: ArrayLike, coherence: ArrayLike) -> Floats:
     gamma = within(coherence, 0.0, 1.0)
     # (1 - g)(1 + g) keeps all digits near g = 1, and no square underflows near g = 0.
     with np.errstate(divide="ignore"):
-        return np.sqrt((1.0 - gamma) * (1.0 + gamma)) / gamma / np.sqrt(2.0 * np.where(n > 0.0, n, np.nan))
+        one_look: Floats = np.sqrt(0.5 * (1.0 - gamma) * (1.0 + gamma)) / gamma
+    return one_look / np.sqrt(np.where(n > 0.0, n, np.nan))
 
 
 def group_delay_crlb(looks: ArrayLike, coherence: ArrayLike, bandwidth: ArrayLike) -> Floats:
-    """Bound of the delay [s] when the phase offset is unknown: `sqrt(12 K) / (2 pi B)`, flat bandwidth B [Hz].
+    """
+    Bound of the delay [s] when the phase offset is unknown: `sqrt(12 K) / (2 pi B)`, flat bandwidth B [Hz].
 
     Source: Fisher information of a flat band, whose mean square frequency about its centre is `B^2 / 12`.
     """
     b = positive("bandwidth", bandwidth, "Hz")
-    return phase_crlb(looks, coherence) * np.sqrt(12.0) / (2.0 * np.pi * b)
+    bound: Floats = phase_crlb(looks, coherence) * (12.0**0.5 / (2.0 * np.pi)) / b
+    return bound
 
 
 def coherent_delay_crlb(
     looks: ArrayLike, coherence: ArrayLike, centre_frequency: ArrayLike, bandwidth: ArrayLike
 ) -> Floats:
-    """Bound of the delay [s] from carrier phase and band together, the wrap being known.
+    """
+    Bound of the delay [s] from carrier phase and band together, the wrap being known.
 
     `sqrt(K) / (2 pi sqrt(fc^2 + B^2 / 12))` with centre frequency fc [Hz] and flat bandwidth B [Hz].
     Source: Fisher information of a flat band about zero frequency.
     """
     fc = positive("centre_frequency", centre_frequency, "Hz")
     b = positive("bandwidth", bandwidth, "Hz")
-    return phase_crlb(looks, coherence) / (2.0 * np.pi * np.hypot(fc, b / np.sqrt(12.0)))
+    rms_frequency: Floats = np.hypot(fc, b / np.sqrt(12.0))
+    return phase_crlb(looks, coherence) / (2.0 * np.pi * rms_frequency)
 
 
 def split_spectrum_crlb(
     looks: ArrayLike, coherence: ArrayLike, bandwidth: ArrayLike, sub_bandwidth: ArrayLike
 ) -> Floats:
-    """Bound of the delay [s] from the phase difference of the two outer sub-bands of width b [Hz].
+    """
+    Bound of the delay [s] from the phase difference of the two outer sub-bands of width b [Hz].
 
-    Group-delay bound times `sqrt(B^3 / (6 b (B - b)^2))`, least at `b = B / 3`, where the factor is `sqrt(9 / 8)`.
+    Group-delay bound times `sqrt(B^3 / (6 b (B - b)^2))`, least at `b = B / 3`, there `sqrt(9 / 8)`.
     `looks` counts the full band B [Hz]. ValueError where the sub-bands overlap, `b > B / 2`.
     Source: two independent phases of `N b / B` looks each, `B - b` apart.
     """
@@ -67,7 +75,8 @@ def split_spectrum_crlb(
 
 
 def intensity_delay_crlb(looks: ArrayLike, coherence: ArrayLike, bandwidth: ArrayLike) -> Floats:
-    """Bound of the delay [s] from speckle intensities alone (incoherent tracking), flat bandwidth B [Hz].
+    """
+    Bound of the delay [s] from speckle intensities alone (incoherent tracking), flat bandwidth B [Hz].
 
     `sqrt(3 / (10 N)) sqrt(2 + 5 gamma^2 - 7 gamma^4) / (pi gamma^2 B)`.
     Source: Bamler and Eineder 2005; the polynomial is factored as `(1 - gamma^2)(2 + 7 gamma^2)`.
@@ -75,8 +84,9 @@ def intensity_delay_crlb(looks: ArrayLike, coherence: ArrayLike, bandwidth: Arra
     b = positive("bandwidth", bandwidth, "Hz")
     gamma = within(coherence, 0.0, 1.0)
     with np.errstate(divide="ignore", over="ignore"):
-        excess = np.sqrt(2.0 + 7.0 * gamma**2) / gamma
-        return np.sqrt(0.6) / (np.pi * b) * phase_crlb(looks, coherence) * excess
+        excess: Floats = np.sqrt(2.0 + 7.0 * gamma**2) / gamma
+        bound: Floats = 0.6**0.5 / (np.pi * b) * phase_crlb(looks, coherence) * excess
+    return bound
 
 
 def depth_crlb(
@@ -87,7 +97,8 @@ def depth_crlb(
     baseline: ArrayLike,
     sound_speed: ArrayLike = 1500.0,
 ) -> Floats:
-    """Bound of the depth [m] from phase alone, the wrap being known: `(r c / D) sqrt(K) / (2 pi fc)`.
+    """
+    Bound of the depth [m] from phase alone, the wrap being known: `(r c / D) sqrt(K) / (2 pi fc)`.
 
     Centre frequency fc [Hz], slant range r [m], vertical baseline D [m], sound speed c [m/s].
     Source: paper B (Saebo and Hansen 2023), eq. 3.

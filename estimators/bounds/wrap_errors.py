@@ -1,0 +1,88 @@
+"""
+Probability that a delay estimator picks a wrong carrier period.
+
+The envelope pair compares correlation envelopes at the true delay and one wrap (`1 / fc`) away; twice its
+probability predicts the cross-correlation with phase refinement and the coherent maximum-likelihood search.
+Source of the equations: theory section 3.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .conventions import Floats, within
+from .envelope_pair import log_exponent_curve
+
+MOST_LOOKS = 1e9
+NODES = np.unique(np.concatenate([np.arange(2, 21), np.round(np.geomspace(21, 1.3e9, 100))])).astype(np.int64)
+
+
+def wrap_error_probability(looks: ArrayLike, coherence: ArrayLike, relative_bandwidth: ArrayLike) -> Floats:
+    """
+    Predicted wrap-error probability of a cross-correlation with phase refinement, and of coherent likelihood.
+
+    `2 E[P_env]` at lag `1 / fc`: the nearest wrap on either side only, averaged over the speckle spectra of N
+    lines of exponential power.
+
+    `looks` N is real, 1 to 1e9 (one look cannot tell wraps apart and gives 1), `coherence` gamma is a
+    magnitude in [0, 1], `relative_bandwidth` is `B / fc`, above 0 and below 2. They broadcast; NaN outside
+    these ranges. Real looks are interpolated between whole ones.
+    """
+    return 2.0 * envelope_pair_probability(looks, coherence, relative_bandwidth)
+
+
+def envelope_pair_probability(
+    looks: ArrayLike, coherence: ArrayLike, relative_bandwidth: ArrayLike
+) -> Floats:
+    """
+    Probability that the envelope one wrap away exceeds the one at the true delay, averaged over speckle.
+
+    Arguments, shapes and validity as in `wrap_error_probability`, of which it is one half.
+    """
+    n, gamma, ratio = np.broadcast_arrays(
+        within(looks, 1.0, MOST_LOOKS), within(coherence, 0.0, 1.0), _open_ratio(relative_bandwidth)
+    )
+    result = np.full(n.shape, np.nan)
+    valid = np.isfinite(n + gamma + ratio)
+    for value in np.unique(ratio[valid]):
+        chosen = valid & (ratio == value)
+        result[chosen] = 0.5 * np.exp(-_exponent(n[chosen], gamma[chosen], float(value)))
+    return result
+
+
+def _open_ratio(relative_bandwidth: ArrayLike) -> Floats:
+    ratio = within(relative_bandwidth, 0.0, 2.0)
+    return np.where((ratio > 0.0) & (ratio < 2.0), ratio, np.nan)
+
+
+def _exponent(looks: Floats, gamma: Floats, ratio: float) -> Floats:
+    """`-log(2 E[P])`; its ratio to `N - 1` is interpolated in logs over N between whole looks."""
+    with np.errstate(divide="ignore"):
+        log_q = np.clip(2.0 * np.log(gamma) - np.log1p(-gamma) - np.log1p(gamma), -1e3, 1e3)
+    first, weights = _stencil(looks)
+    height = np.zeros(looks.shape)
+    for node in range(int(np.min(first)), int(np.max(first)) + 4):
+        member = node - first
+        used = np.flatnonzero((member >= 0) & (member < 4))
+        weight = weights[used, member[used]]
+        used, weight = used[weight != 0.0], weight[weight != 0.0]
+        if used.size:
+            whole = int(NODES[node])
+            curve = log_exponent_curve(whole, ratio)
+            height[used] += weight * (curve(log_q[used]) - np.log(whole - 1.0))
+    exponent = np.where(gamma < 1.0, np.exp(np.minimum(height, 700.0)), np.inf)
+    return np.where(looks > 1.0, exponent, 0.0) * (looks - 1.0)
+
+
+def _stencil(looks: Floats) -> tuple[NDArray[np.int64], Floats]:
+    """First of four neighbouring nodes and their Lagrange weights in log N; below two looks, those of two."""
+    x = np.log(np.maximum(looks, 2.0))
+    first = np.clip(np.searchsorted(NODES, looks, side="right") - 2, 0, NODES.size - 4)
+    at = np.log(NODES)[first[:, None] + np.arange(4)]
+    weights = np.ones(at.shape)
+    for i in range(4):
+        for j in range(4):
+            if i != j:
+                weights[:, i] *= (x - at[:, j]) / (at[:, i] - at[:, j])
+    return first, weights
