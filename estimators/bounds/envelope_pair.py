@@ -16,6 +16,7 @@ alone, so that one running integral over t serves all coherences at one number o
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
@@ -24,9 +25,14 @@ from scipy.linalg import eigh_tridiagonal
 
 from .conventions import Floats
 
+RootDeterminant = Callable[[Floats, Floats, Floats], Floats]
+
 MAX_LINES = 20
-FEW_LINES = 7
-STEP = 0.2
+FEW_LINES = 10
+STEP = 0.25
+COARSER = 8
+NODE_STEP = 0.6
+NODE_REACH = 7
 _FAR = 1e4
 
 
@@ -45,12 +51,11 @@ def band_lines(looks: int, relative_bandwidth: float) -> tuple[Floats, Floats]:
     return theta, shapes
 
 
-def mean_root_determinant(theta: Floats, shapes: Floats, scales: Floats) -> Floats:
+def matched_root_determinant(theta: Floats, shapes: Floats, scales: Floats) -> Floats:
     """
     Mean of `sqrt(det A)` for independent gamma line powers of given `shapes` and `scales` (..., lines).
 
-    The first two moments are exact; `sqrt(det A)` is taken as gamma distributed, as it is for a Wishart
-    matrix.
+    The first two moments of `det A` are exact; its root is taken as gamma distributed, as a Wishart matrix has it.
     """
     mean_power = shapes * scales
     variance = mean_power * scales
@@ -64,9 +69,37 @@ def mean_root_determinant(theta: Floats, shapes: Floats, scales: Floats) -> Floa
     return result
 
 
+def exact_root_determinant(theta: Floats, shapes: Floats, scales: Floats) -> Floats:
+    """
+    Mean of `sqrt(det A)` for independent gamma line powers of given `shapes` and `scales` (..., lines).
+
+    `sqrt(det A) = det A / pi int exp(-p' A p) d^2 p`, whose mean over the powers has a closed integrand. The plane
+    is sheared to unit mean A, with the strongest line on an axis, and both axes run over sinh.
+    """
+    v = NODE_STEP * np.arange(-NODE_REACH, NODE_REACH + 1)
+    x, y = np.sinh(v)[:, None], np.sinh(v[NODE_REACH:])
+    area = NODE_STEP**2 * np.cosh(v)[:, None] * np.cosh(v[NODE_REACH:]) * np.where(y > 0.0, 2.0, 1.0)
+    strongest = np.argmax(scales, axis=-1)
+    cosine = np.cos(0.5 * (theta - theta[strongest][..., None]))
+    sine = np.sin(0.5 * (theta - theta[strongest][..., None]))
+    across = np.sum(scales * sine**2, axis=-1)
+    slope = np.sum(scales * sine * cosine, axis=-1) / across
+    along = np.sum(scales * cosine * (cosine - slope[..., None] * sine), axis=-1)
+    first = np.sqrt(scales / along[..., None]) * (cosine - slope[..., None] * sine)
+    second = np.sqrt(scales / across[..., None]) * sine
+    at = first[..., None, None, :] * x[:, :, None] + second[..., None, None, :] * y[:, None]
+    damping = 1.0 / (1.0 + at**2)
+    power = (shapes * scales)[..., None, None, :] * damping
+    sine2 = np.sin(0.5 * (theta[:, None] - theta)) ** 2
+    determinant = 0.5 * np.sum((power @ sine2) * power, axis=-1)
+    total = np.sum(area * np.exp(np.log(damping) @ shapes) * determinant, axis=(-2, -1))
+    result: Floats = total / (np.pi * np.sqrt(along * across))
+    return result
+
+
 def line_directions(theta: Floats, t: Floats) -> tuple[Floats, Floats]:
     """Nodes and weights over the circle, (t, nodes), for peaks of width `2 / sqrt(t)` at the lines."""
-    x, w = np.polynomial.legendre.leggauss(16)
+    x, w = np.polynomial.legendre.leggauss(12)
     line = np.sort(np.mod(theta, 2.0 * np.pi))
     gap = np.diff(line, append=line[0] + 2.0 * np.pi)[:, None]
     width = 2.0 / np.sqrt(t)[:, None, None]
@@ -76,8 +109,8 @@ def line_directions(theta: Floats, t: Floats) -> tuple[Floats, Floats]:
     v = span * 0.5 * (x + 1.0)
     offset = width * np.sinh(v)
     weight = 0.5 * w * span * width * np.cosh(v)
-    nodes = np.concatenate([line[:, None] + offset, line[:, None] + gap - offset], axis=-1)
-    return nodes.reshape(t.size, -1), np.concatenate([weight, weight], axis=-1).reshape(t.size, -1)
+    # The lines are symmetric: the half gap after each line mirrors the half gap before another.
+    return (line[:, None] + offset).reshape(t.size, -1), 2.0 * weight.reshape(t.size, -1)
 
 
 def central_directions(theta: Floats, shapes: Floats, t: Floats) -> tuple[Floats, Floats]:
@@ -98,16 +131,31 @@ def log_exponent_curve(looks: int, relative_bandwidth: float) -> PPoly:
     """`log(-log(2 E[P]))` against `log q` for N > 1 whole looks; straight where P is not resolved."""
     theta, shapes = band_lines(looks, relative_bandwidth)
     mean_sine2 = float(np.sum(shapes * np.sin(0.5 * theta) ** 2) / looks)
-    u = np.arange(np.log(1e-4 / (looks * mean_sine2)), np.log(1e13 / mean_sine2), STEP)
+    # To probabilities of about exp(-80).
+    furthest = min(1e13, np.expm1(min(80.0 / looks, 80.0)))
+    u = np.arange(np.log(1e-3 / (looks * mean_sine2)), np.log(furthest / mean_sine2), STEP)
+    log_density = _log_density(theta, shapes, u, matched_root_determinant)
+    if looks <= FEW_LINES:
+        # What the matched moments miss varies slowly.
+        coarse = u[np.linspace(0, u.size - 1, u.size // COARSER + 2).astype(int)]
+        missing = _log_density(theta, shapes, coarse, exact_root_determinant) - _log_density(
+            theta, shapes, coarse, matched_root_determinant
+        )
+        log_density = log_density + CubicSpline(coarse, missing)(u)
+    return _log_exponent(u, log_density)
+
+
+def _log_density(theta: Floats, shapes: Floats, u: Floats, mean_root: RootDeterminant) -> Floats:
+    """Log of the integrand over `u = log t`, the directions being integrated out."""
     t = np.exp(u)
-    few = looks <= FEW_LINES
+    few = theta.size <= FEW_LINES
     delta, weight = line_directions(theta, t) if few else central_directions(theta, shapes, t)
     rate = 1.0 + t[:, None, None] * np.sin(0.5 * (theta - delta[..., None])) ** 2
     log_product = -(np.log(rate) @ shapes)
     peak = np.max(log_product, axis=1)
-    root = mean_root_determinant(theta, shapes, 1.0 / rate)
-    inner = np.sum(weight * np.exp(log_product - peak[:, None]) * root, axis=1)
-    return _log_exponent(u, u + peak + np.log(inner))
+    integrand = np.exp(log_product - peak[:, None]) * mean_root(theta, shapes, 1.0 / rate)
+    result: Floats = u + peak + np.log(np.sum(weight * integrand, axis=1) / (4.0 * np.pi))
+    return result
 
 
 def _log_exponent(u: Floats, log_density: Floats) -> PPoly:
