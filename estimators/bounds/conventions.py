@@ -7,12 +7,30 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import sici
 
 Floats = NDArray[np.float64]
+MOST_LOOKS = 1e9
+MOST_STRENGTH = 1e200
 
 
 def within(value: ArrayLike, low: float, high: float) -> Floats:
     """`value` as floats, NaN where it is not in [low, high]."""
     x = np.asarray(value, dtype=np.float64)
     return np.where((x >= low) & (x <= high), x, np.nan)
+
+
+def checked_looks_and_coherence(looks: ArrayLike, coherence: ArrayLike) -> tuple[Floats, Floats]:
+    """Looks in [1, 1e9] and coherence in [0, 1] of one shape, for a sampler; ValueError elsewhere."""
+    n, gamma = np.broadcast_arrays(within(looks, 1.0, MOST_LOOKS), within(coherence, 0.0, 1.0))
+    if np.any(np.isnan(n)):
+        raise ValueError(f"looks is {np.asarray(looks)}; it must be in [1, {MOST_LOOKS:g}]")
+    if np.any(np.isnan(gamma)):
+        raise ValueError(f"coherence is {np.asarray(coherence)}; it must be in [0, 1]")
+    return n, gamma
+
+
+def signal_strength(gamma: Floats) -> Floats:
+    """`q = gamma^2 / (1 - gamma^2)`, held at 1e200 where gamma is one."""
+    with np.errstate(divide="ignore"):
+        return np.minimum(gamma / (1.0 - gamma) * (gamma / (1.0 + gamma)), MOST_STRENGTH)
 
 
 def positive(name: str, value: ArrayLike, unit: str) -> Floats:

@@ -36,13 +36,14 @@ NODE_REACH = 7
 _FAR = 1e4
 
 
-def band_lines(looks: int, relative_bandwidth: float) -> tuple[Floats, Floats]:
+def band_lines(looks: float, relative_bandwidth: float, lines: int = MAX_LINES) -> tuple[Floats, Floats]:
     """
     Phases theta_k over one wrap [rad] and gamma shapes of the N equal lines, B / N apart, of a flat band.
 
-    Above `MAX_LINES` looks, the Gauss rule of the N lines (discrete Chebyshev polynomials) stands for them.
+    Above `lines` looks, the Gauss rule of the N lines (discrete Chebyshev polynomials) stands for them,
+    which also holds for real N.
     """
-    n = min(looks, MAX_LINES)
+    n = min(int(np.ceil(looks)), lines)
     k = np.arange(1.0, n)
     off_diagonal = np.sqrt(k**2 * (1.0 - (k / looks) ** 2) / (4.0 * (4.0 * k**2 - 1.0)))
     position, vectors = eigh_tridiagonal(np.zeros(n), off_diagonal)
@@ -55,7 +56,8 @@ def matched_root_determinant(theta: Floats, shapes: Floats, scales: Floats) -> F
     """
     Mean of `sqrt(det A)` for independent gamma line powers of given `shapes` and `scales` (..., lines).
 
-    The first two moments of `det A` are exact; its root is taken as gamma distributed, as a Wishart matrix has it.
+    The first two moments of `det A` are exact; its root is taken as gamma distributed, as a Wishart matrix
+    has it.
     """
     mean_power = shapes * scales
     variance = mean_power * scales
@@ -73,8 +75,8 @@ def exact_root_determinant(theta: Floats, shapes: Floats, scales: Floats) -> Flo
     """
     Mean of `sqrt(det A)` for independent gamma line powers of given `shapes` and `scales` (..., lines).
 
-    `sqrt(det A) = det A / pi int exp(-p' A p) d^2 p`, whose mean over the powers has a closed integrand. The plane
-    is sheared to unit mean A, with the strongest line on an axis, and both axes run over sinh.
+    `sqrt(det A) = det A / pi int exp(-p' A p) d^2 p`, whose mean over the powers has a closed integrand.
+    The plane is sheared to unit mean A, with the strongest line on an axis, and both axes run over sinh.
     """
     v = NODE_STEP * np.arange(-NODE_REACH, NODE_REACH + 1)
     x, y = np.sinh(v)[:, None], np.sinh(v[NODE_REACH:])

@@ -11,19 +11,19 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .conventions import Floats, within
+from .conventions import MOST_LOOKS, Floats, within
 from .envelope_pair import log_exponent_curve
 
-MOST_LOOKS = 1e9
 NODES = np.unique(np.concatenate([np.arange(2, 21), np.round(np.geomspace(21, 1.3e9, 100))])).astype(np.int64)
 
 
 def wrap_error_probability(looks: ArrayLike, coherence: ArrayLike, relative_bandwidth: ArrayLike) -> Floats:
     """
-    Predicted wrap-error probability of a cross-correlation with phase refinement, and of coherent likelihood.
+    Predicted wrap-error probability of a cross-correlation with phase refinement, and of coherent
+    likelihood.
 
-    `2 E[P_env]` at lag `1 / fc`: the nearest wrap on either side only, averaged over the speckle spectra of N
-    lines of exponential power.
+    `2 E[P_env]` at lag `1 / fc`: the nearest wrap on either side only, averaged over the speckle
+    spectra of N lines of exponential power.
 
     `looks` N is real, 1 to 1e9 (one look cannot tell wraps apart and gives 1), `coherence` gamma is a
     magnitude in [0, 1], `relative_bandwidth` is `B / fc`, above 0 and below 2. They broadcast; NaN outside
@@ -54,6 +54,32 @@ def envelope_pair_probability(
 def _open_ratio(relative_bandwidth: ArrayLike) -> Floats:
     ratio = within(relative_bandwidth, 0.0, 2.0)
     return np.where((ratio > 0.0) & (ratio < 2.0), ratio, np.nan)
+
+
+def several_wraps_error_probability(
+    looks: ArrayLike, coherence: ArrayLike, relative_bandwidth: ArrayLike, wraps: int
+) -> Floats:
+    """
+    Union bound of the wrap-error probability: `2 sum_m E[P_env]` at lags `m / fc`, m = 1 to `wraps`, at
+    most 1.
+
+    An upper bound of the search over `wraps` wraps on either side, where `wrap_error_probability` has
+    the nearest only. Lags beyond half the window, `m B / fc > N / 2`, are left out. Otherwise as
+    `wrap_error_probability`; ValueError unless `wraps` is at least one.
+    """
+    if wraps < 1:
+        raise ValueError(f"wraps is {wraps}; it must be at least 1")
+    nearest = wrap_error_probability(looks, coherence, relative_bandwidth)
+    n, gamma, ratio = np.broadcast_arrays(
+        within(looks, 1.0, MOST_LOOKS), coherence, _open_ratio(relative_bandwidth)
+    )
+    total = nearest.copy()
+    for m in range(2, wraps + 1):
+        near = np.isfinite(nearest) & (m * ratio <= 0.5 * n)
+        for value in np.unique(ratio[near]):
+            chosen = near & (ratio == value)
+            total[chosen] += np.exp(-_exponent(n[chosen], gamma[chosen], float(m * value)))
+    return np.minimum(total, 1.0)
 
 
 def _exponent(looks: Floats, gamma: Floats, ratio: float) -> Floats:
