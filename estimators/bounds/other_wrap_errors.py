@@ -72,4 +72,5 @@ def split_spectrum_wrap_error_probability(
     outside += np.where(beyond < np.pi, past, -past)
     density = multilook_phase_pdf(first, looks_of_band, coherence_of_band)
     total = np.sum(weight * length * density * outside, axis=(-2, -1))
-    return np.where(gamma < 1.0, np.minimum(2.0 * total, 1.0), 0.0 * (n + limit))
+    rate: Floats = np.where(gamma < 1.0, np.minimum(2.0 * total, 1.0), 0.0 * (n + limit))
+    return rate

@@ -73,7 +73,7 @@ def several_wraps_error_probability(
     n, gamma, ratio = np.broadcast_arrays(
         within(looks, 1.0, MOST_LOOKS), coherence, _open_ratio(relative_bandwidth)
     )
-    total = nearest.copy()
+    total = np.array(nearest)
     for m in range(2, wraps + 1):
         near = np.isfinite(nearest) & (m * ratio <= 0.5 * n)
         for value in np.unique(ratio[near]):
