@@ -10,6 +10,7 @@ from estimators.estimate import DelayEstimate
 from estimators.lag_product import power
 from estimators.peak import Peak
 from estimators.search import by_rows, describe
+from estimators.uncertainty import debiased_coherence
 from estimators.windows import FixedWindow
 from sim import EchoPair
 from sim.band import Complex
@@ -49,7 +50,7 @@ class Interferogram:
         peak = by_rows(pair, self.window, 0, 64, lambda p, s: zero_lag(p, s, self.window).spread())
         estimate = describe(pair, self.window, peak, refine=True, search=0.5 / pair.centre_frequency)
         looks = self.window.looks(pair)
-        std = bounds.phase_crlb(looks, bounds.debias_coherence(estimate.coherence, looks))
+        std = bounds.phase_crlb(looks, debiased_coherence(estimate.coherence, looks))
         to_edge = np.pi - np.abs(estimate.phase)
         crossing = np.where(std > 0, ndtr(-to_edge / np.maximum(std, 1e-300)), 0.0)
         return replace(estimate, wrap_error_probability=np.minimum(crossing, 0.5))

@@ -55,7 +55,8 @@ class Planes:
         """The series at `offset / len(values)` samples after each sample; a view, shape (rows, samples)."""
         whole, part = divmod(offset, len(self.values))
         plane = self.values[part]
-        first = self.margin + whole
+        # What is the same at every sample has no margin to move in.
+        first = self.margin + whole if self.margin else 0
         series: NDArray[Any] = plane[:, first : first + plane.shape[1] - 2 * self.margin]
         return series
 

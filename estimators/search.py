@@ -8,7 +8,7 @@ from estimators import bounds
 from estimators.estimate import DelayEstimate
 from estimators.lag_product import lag_stack, power
 from estimators.peak import STENCIL, Index, Peak, moved_to, peak_at
-from estimators.uncertainty import WrapErrors, predicted_std, predicted_wrap_errors
+from estimators.uncertainty import WrapErrors, debiased_coherence, predicted_std, predicted_wrap_errors
 from estimators.windows import FixedWindow
 from sim import EchoPair, checks
 from sim.band import Complex, Real
@@ -148,7 +148,7 @@ def describe(
     has_echo = peak.energy > 0
     coherence = np.minimum(np.divide(magnitude, peak.energy, out=np.zeros_like(magnitude), where=has_echo), 1.0)
     looks = window.looks(pair)
-    debiased = np.asarray(bounds.debias_coherence(coherence, looks))
+    debiased = debiased_coherence(coherence, looks)
     bound = (
         bounds.coherent_delay_crlb(looks, debiased, pair.centre_frequency, pair.bandwidth)
         if refine

@@ -5,6 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from estimators import bounds
 from sim.band import Real
 
 WrapErrors = Callable[[float, Real, float], Real]
@@ -12,6 +13,11 @@ WrapErrors = Callable[[float, Real, float], Real]
 
 NODES = 257
 """Coherences at which the wrap-error probability is tabulated."""
+
+
+def debiased_coherence(sample_coherence: Real, looks: float) -> Real:
+    """Coherence that a sample coherence stands for; a single look, which says nothing, stands for none."""
+    return np.zeros_like(sample_coherence) if looks <= 1 else bounds.debias_coherence(sample_coherence, looks)
 
 
 def predicted_std(bound: Real, search: float) -> Real:
@@ -29,7 +35,8 @@ def predicted_wrap_errors(
     """
     nodes, probabilities = _wrap_error_table(predict, looks, relative_bandwidth)
     guess = max(1 - 1 / (2 * search_wraps), 0.0)
-    predicted: Real = np.minimum(np.interp(coherence, nodes, probabilities), guess)
+    # Where no prediction holds, at less than a look a sub-band, a guess is all that is left.
+    predicted: Real = np.fmin(np.interp(coherence, nodes, probabilities), guess)
     return predicted
 
 

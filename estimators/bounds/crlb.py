@@ -1,101 +1,110 @@
-"""Cramér-Rao bounds of phase and delay, as standard deviations."""
+"""
+Cramer-Rao lower bounds of interferometric phase, delay and depth, as standard deviations.
+
+All start from the phase-variance bound `K = (1 - gamma^2) / (2 N gamma^2)` [rad^2] of N independent looks
+at coherence gamma. `looks` (N > 0, real) and `coherence` (magnitude in [0, 1]) broadcast with all other
+arguments; outside these ranges the result is NaN. Zero coherence gives infinity, full coherence gives zero.
+Frequencies and lengths that are not finite and positive raise ValueError.
+"""
+
+from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sim.band import Real
+from .conventions import Floats, positive, within
 
 
-def phase_crlb(looks: ArrayLike, coherence: ArrayLike) -> Real:
-    """Bound of the interferometric phase.
-
-    `sqrt(K)` with `K = (1 - gamma^2) / (2 N gamma^2)` (Rodriguez and Martin 1992; paper B, equation 3).
-
-    Parameters
-    ----------
-    looks
-        Independent looks, `N`, above 0.
-    coherence
-        Magnitude of the complex coherence, `gamma`, 0 to 1.
-
-    Returns
-    -------
-    array
-        [rad]; broadcast. Infinite at coherence 0, 0 at coherence 1, NaN outside the limits.
+def phase_crlb(looks: ArrayLike, coherence: ArrayLike) -> Floats:
     """
-    looks, coherence = np.asarray(looks, dtype=float), np.asarray(coherence, dtype=float)
-    allowed = (looks > 0) & (coherence >= 0) & (coherence <= 1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        bound = np.sqrt((1 - coherence) * (1 + coherence) / (2 * looks)) / coherence
-    std: Real = np.where(allowed, bound, np.nan)
-    return std
+    Bound of the interferometric phase [rad]: `sqrt(K)`.
 
-
-def group_delay_crlb(looks: ArrayLike, coherence: ArrayLike, bandwidth: ArrayLike) -> Real:
-    """Bound of the group delay, the phase offset being unknown.
-
-    `sqrt(12 K) / (2 pi B)` with `K` of `phase_crlb`: that of a delay from the slope of the phase over a flat band.
-
-    Parameters
-    ----------
-    looks, coherence
-        As for `phase_crlb`.
-    bandwidth
-        `B` [Hz].
-
-    Returns
-    -------
-    array
-        [s]; broadcast.
+    Source: Seymour and Cumming 1994; paper B (Saebo and Hansen 2023), eq. 3 without its geometry.
     """
-    std: Real = phase_crlb(looks, coherence) * np.sqrt(12) / (2 * np.pi * np.asarray(bandwidth, dtype=float))
-    return std
+    n = within(looks, 0.0, np.inf)
+    gamma = within(coherence, 0.0, 1.0)
+    # (1 - g)(1 + g) keeps all digits near g = 1, and no square underflows near g = 0.
+    with np.errstate(divide="ignore"):
+        one_look: Floats = np.sqrt(0.5 * (1.0 - gamma) * (1.0 + gamma)) / gamma
+    return one_look / np.sqrt(np.where(n > 0.0, n, np.nan))
+
+
+def group_delay_crlb(looks: ArrayLike, coherence: ArrayLike, bandwidth: ArrayLike) -> Floats:
+    """
+    Bound of the delay [s] when the phase offset is unknown: `sqrt(12 K) / (2 pi B)`, flat bandwidth B [Hz].
+
+    Source: Fisher information of a flat band, whose mean square frequency about its centre is `B^2 / 12`.
+    """
+    b = positive("bandwidth", bandwidth, "Hz")
+    bound: Floats = phase_crlb(looks, coherence) * (12.0**0.5 / (2.0 * np.pi)) / b
+    return bound
 
 
 def coherent_delay_crlb(
     looks: ArrayLike, coherence: ArrayLike, centre_frequency: ArrayLike, bandwidth: ArrayLike
-) -> Real:
-    """Bound of the delay from phase and slope together, the wrap being known.
-
-    `sqrt(K) / (2 pi sqrt(fc^2 + B^2 / 12))` with `K` of `phase_crlb`.
-
-    Parameters
-    ----------
-    looks, coherence
-        As for `phase_crlb`.
-    centre_frequency, bandwidth
-        `fc` and `B` [Hz].
-
-    Returns
-    -------
-    array
-        [s]; broadcast.
+) -> Floats:
     """
-    centre_frequency, bandwidth = np.asarray(centre_frequency, dtype=float), np.asarray(bandwidth, dtype=float)
-    std: Real = phase_crlb(looks, coherence) / (2 * np.pi * np.hypot(centre_frequency, bandwidth / np.sqrt(12)))
-    return std
+    Bound of the delay [s] from carrier phase and band together, the wrap being known.
 
-
-def split_spectrum_crlb(looks: ArrayLike, coherence: ArrayLike, bandwidth: ArrayLike, sub_bandwidth: ArrayLike) -> Real:
-    """Bound of the group delay from the phases of two sub-bands at the ends of the band.
-
-    The group-delay bound times `sqrt(B^3 / (6 b (B - b)^2))`; least, `sqrt(9 / 8)`, at `b = B / 3`.
-
-    Parameters
-    ----------
-    looks, coherence
-        As for `phase_crlb`; looks of the full band.
-    bandwidth, sub_bandwidth
-        `B` and `b` [Hz], `0 < b <= B / 2`.
-
-    Returns
-    -------
-    array
-        [s]; broadcast. NaN outside the limits.
+    `sqrt(K) / (2 pi sqrt(fc^2 + B^2 / 12))` with centre frequency fc [Hz] and flat bandwidth B [Hz].
+    Source: Fisher information of a flat band about zero frequency.
     """
-    bandwidth, sub_bandwidth = np.asarray(bandwidth, dtype=float), np.asarray(sub_bandwidth, dtype=float)
-    share = sub_bandwidth / bandwidth
-    allowed = (share > 0) & (share <= 0.5)
-    share = np.where(allowed, share, np.nan)
-    std: Real = group_delay_crlb(looks, coherence, bandwidth) / np.sqrt(6 * share * (1 - share) ** 2)
-    return std
+    fc = positive("centre_frequency", centre_frequency, "Hz")
+    b = positive("bandwidth", bandwidth, "Hz")
+    rms_frequency: Floats = np.hypot(fc, b / np.sqrt(12.0))
+    return phase_crlb(looks, coherence) / (2.0 * np.pi * rms_frequency)
+
+
+def split_spectrum_crlb(
+    looks: ArrayLike, coherence: ArrayLike, bandwidth: ArrayLike, sub_bandwidth: ArrayLike
+) -> Floats:
+    """
+    Bound of the delay [s] from the phase difference of the two outer sub-bands of width b [Hz].
+
+    Group-delay bound times `sqrt(B^3 / (6 b (B - b)^2))`, least at `b = B / 3`, there `sqrt(9 / 8)`.
+    `looks` counts the full band B [Hz]. ValueError where the sub-bands overlap, `b > B / 2`.
+    Source: two independent phases of `N b / B` looks each, `B - b` apart.
+    """
+    total = positive("bandwidth", bandwidth, "Hz")
+    sub = positive("sub_bandwidth", sub_bandwidth, "Hz")
+    share = sub / total
+    if np.any(share > 0.5):
+        raise ValueError(f"sub_bandwidth is {np.max(share):g} of the bandwidth; it must be at most one half")
+    loss = 1.0 / (np.sqrt(6.0 * share) * (1.0 - share))
+    return group_delay_crlb(looks, coherence, total) * loss
+
+
+def intensity_delay_crlb(looks: ArrayLike, coherence: ArrayLike, bandwidth: ArrayLike) -> Floats:
+    """
+    Bound of the delay [s] from speckle intensities alone (incoherent tracking), flat bandwidth B [Hz].
+
+    `sqrt(3 / (10 N)) sqrt(2 + 5 gamma^2 - 7 gamma^4) / (pi gamma^2 B)`.
+    Source: Bamler and Eineder 2005; the polynomial is factored as `(1 - gamma^2)(2 + 7 gamma^2)`.
+    """
+    b = positive("bandwidth", bandwidth, "Hz")
+    gamma = within(coherence, 0.0, 1.0)
+    with np.errstate(divide="ignore", over="ignore"):
+        excess: Floats = np.sqrt(2.0 + 7.0 * gamma**2) / gamma
+        bound: Floats = 0.6**0.5 / (np.pi * b) * phase_crlb(looks, coherence) * excess
+    return bound
+
+
+def depth_crlb(
+    looks: ArrayLike,
+    coherence: ArrayLike,
+    centre_frequency: ArrayLike,
+    slant_range: ArrayLike,
+    baseline: ArrayLike,
+    sound_speed: ArrayLike = 1500.0,
+) -> Floats:
+    """
+    Bound of the depth [m] from phase alone, the wrap being known: `(r c / D) sqrt(K) / (2 pi fc)`.
+
+    Centre frequency fc [Hz], slant range r [m], vertical baseline D [m], sound speed c [m/s].
+    Source: paper B (Saebo and Hansen 2023), eq. 3.
+    """
+    fc = positive("centre_frequency", centre_frequency, "Hz")
+    r = positive("slant_range", slant_range, "m")
+    d = positive("baseline", baseline, "m")
+    c = positive("sound_speed", sound_speed, "m/s")
+    return phase_crlb(looks, coherence) * (r * c / d) / (2.0 * np.pi * fc)

@@ -24,8 +24,9 @@ method = pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
 PATCH = {
     "samples": st.integers(24, 60),
     "coherence": st.floats(0.0, 0.999),
-    "relative_bandwidth": st.floats(0.01, 1.9),
-    "oversampling": st.floats(1.0, 3.0),
+    # A few, as the predicted wrap errors of each are tabulated once.
+    "relative_bandwidth": st.sampled_from([0.01, 0.1, 0.3, 0.6, 1.2, 1.9]),
+    "oversampling": st.sampled_from([1.0, 1.1, 4 / 3, 2.0, 3.0]),
     "seed": st.integers(0, 2**32 - 1),
     "circular": st.booleans(),
 }

@@ -1,3 +1,4 @@
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given
@@ -6,47 +7,67 @@ from hypothesis import strategies as st
 from estimators import bounds
 
 LOOKS = st.floats(1.0, 1e6)
-COHERENCE = st.floats(1e-6, 1 - 1e-12)
+COHERENCE = st.floats(1e-6, 1.0 - 1e-12)
+RATIO = st.floats(1e-4, 1.9)
 
 
-@given(LOOKS, st.floats(-60.0, 110.0))
-def test_phase_bound_equals_its_form_in_the_snr(looks, snr_db):
-    # K = (1/N)(1/rho + 1/(2 rho^2)); the coherence of a large SNR loses digits to rounding, 2e-16 rho of them.
-    snr = 10 ** (snr_db / 10)
-    coherence = snr / (1 + snr)
-    expected = np.sqrt((1 / snr + 1 / (2 * snr**2)) / looks)
-    assert bounds.phase_crlb(looks, coherence) == pytest.approx(expected, rel=1e-12 + 4e-16 * (1 + snr))
+@pytest.mark.parametrize("coherence", [1e-6, 0.3, 0.9, 1.0 - 1e-12])
+@pytest.mark.parametrize("looks", [1.0, 9.5, 1e6])
+def test_bounds_equal_their_formulas_at_high_precision(looks: float, coherence: float) -> None:
+    with mpmath.workdps(40):
+        n, g, fc, b = mpmath.mpf(looks), mpmath.mpf(coherence), mpmath.mpf(100e3), mpmath.mpf(30e3)
+        root = mpmath.sqrt((1 - g**2) / (2 * n * g**2))
+        intensity = mpmath.sqrt(3 / (10 * n) * (2 + 5 * g**2 - 7 * g**4)) / (mpmath.pi * g**2 * b)
+        expected = [
+            root,
+            mpmath.sqrt(12) * root / (2 * mpmath.pi * b),
+            root / (2 * mpmath.pi * mpmath.sqrt(fc**2 + b**2 / 12)),
+            mpmath.sqrt(12) * root / (2 * mpmath.pi * b) * mpmath.sqrt(mpmath.mpf(9) / 8),
+            intensity,
+            200 * 1500 / mpmath.mpf("0.3") * root / (2 * mpmath.pi * fc),
+        ]
+    found = [
+        bounds.phase_crlb(looks, coherence),
+        bounds.group_delay_crlb(looks, coherence, 30e3),
+        bounds.coherent_delay_crlb(looks, coherence, 100e3, 30e3),
+        bounds.split_spectrum_crlb(looks, coherence, 30e3, 10e3),
+        bounds.intensity_delay_crlb(looks, coherence, 30e3),
+        bounds.depth_crlb(looks, coherence, 100e3, 200.0, 0.3),
+    ]
+    np.testing.assert_allclose(found, [float(x) for x in expected], rtol=1e-12)
 
 
-def test_depth_spread_of_paper_b():
-    # Paper B: 39 cm at 400 m with 39 x 39 pixels of 0.4 looks; theory.md derives coherence .187 at c = 1480 m/s.
-    slant = np.hypot(400.0, 42.0)
-    spread = slant * 1480.0 / 0.3 / (2 * np.pi * 122e3) * bounds.phase_crlb(0.4 * 39**2, 0.187)
-    assert spread == pytest.approx(0.39, abs=0.005)
+@given(LOOKS, COHERENCE, RATIO)
+def test_bounds_fall_with_looks_coherence_and_bandwidth(looks: float, coherence: float, ratio: float) -> None:
+    here = bounds.group_delay_crlb(looks, coherence, ratio)
+    assert bounds.group_delay_crlb(1.1 * looks, coherence, ratio) < here
+    assert bounds.group_delay_crlb(looks, 0.5 * (1.0 + coherence), ratio) < here
+    assert bounds.group_delay_crlb(looks, coherence, 1.01 * ratio) < here
+    assert bounds.coherent_delay_crlb(looks, coherence, 1.0, ratio) <= here
+    assert bounds.split_spectrum_crlb(looks, coherence, ratio, 0.3 * ratio) > here
 
 
-@given(LOOKS, COHERENCE, st.floats(1e3, 1e6), st.floats(1e-4, 1.9))
-def test_bounds_are_ordered_and_fall(looks, coherence, centre_frequency, ratio):
-    bandwidth = ratio * centre_frequency
-    coherent = bounds.coherent_delay_crlb(looks, coherence, centre_frequency, bandwidth)
-    group = bounds.group_delay_crlb(looks, coherence, bandwidth)
-    assert 0 < coherent <= group
-    assert bounds.phase_crlb(2 * looks, coherence) < bounds.phase_crlb(looks, coherence)
-    assert bounds.group_delay_crlb(looks, coherence, 2 * bandwidth) < group
-    assert bounds.phase_crlb(looks, coherence**0.5) <= bounds.phase_crlb(looks, coherence)
+def test_limits_and_validity() -> None:
+    np.testing.assert_equal(bounds.phase_crlb(4, [0.0, 1.0, 1.1, -0.1, np.nan]), [np.inf, 0, np.nan, np.nan, np.nan])
+    np.testing.assert_equal(bounds.phase_crlb([0.0, -1.0], 0.5), [np.nan, np.nan])
+    with pytest.raises(ValueError, match=r"sub_bandwidth is 0\.6 of the bandwidth"):
+        bounds.split_spectrum_crlb(4, 0.5, 1.0, 0.6)
+    with pytest.raises(ValueError, match="bandwidth is -1 Hz"):
+        bounds.group_delay_crlb(4, 0.5, -1.0)
 
 
-@given(LOOKS, COHERENCE, st.floats(0.01, 0.5))
-def test_thirds_are_the_best_sub_bands(looks, coherence, share):
-    group = bounds.group_delay_crlb(looks, coherence, 1.0)
-    thirds = bounds.split_spectrum_crlb(looks, coherence, 1.0, 1 / 3)
-    assert thirds == pytest.approx(np.sqrt(9 / 8) * group, rel=1e-12)
-    assert bounds.split_spectrum_crlb(looks, coherence, 1.0, share) >= thirds * (1 - 1e-12)
+def test_effective_looks_of_theory_and_of_its_integral() -> None:
+    found = bounds.effective_looks([1.0, 4.0, 9.0, 16.0, 33.0, 81.0])
+    np.testing.assert_allclose(found, [1.525, 4.554, 9.607, 16.65, 33.72, 81.80], rtol=3e-4)
+    for bt in (1e-6, 0.0031, 0.0033, 0.3, 2.7):
+        with mpmath.workdps(30):
+            area = mpmath.quad(lambda u, bt=bt: 2 * (1 - u) * mpmath.sincpi(bt * u) ** 2, mpmath.linspace(0, 1, 5))
+        assert float(bounds.effective_looks(bt) * area) == pytest.approx(1.0, rel=1e-11)
+    np.testing.assert_equal(bounds.effective_looks([0.0, -1.0]), [1.0, np.nan])
 
 
-def test_outside_the_limits_there_is_no_bound():
-    assert np.isnan(bounds.phase_crlb(0.0, 0.5))
-    assert np.isnan(bounds.phase_crlb(9.0, 1.5))
-    assert np.isnan(bounds.split_spectrum_crlb(9.0, 0.5, 1.0, 0.6))
-    assert bounds.phase_crlb(9.0, 0.0) == np.inf
-    assert bounds.phase_crlb(9.0, 1.0) == 0.0
+@given(st.floats(-80.0, 120.0))
+def test_snr_and_coherence_undo_each_other(decibel: float) -> None:
+    rho = 10.0 ** (decibel / 10.0)
+    # Coherence keeps 1e-16, hence 1e-4 of its distance from one at 120 dB.
+    assert bounds.snr_from_coherence(bounds.coherence_from_snr(rho)) == pytest.approx(rho, rel=1e-15 * (1 + rho))
