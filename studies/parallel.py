@@ -45,7 +45,7 @@ def _dask(scheduler: str | None) -> Iterator[None]:
     except ImportError:
         raise ValueError("backend is dask; it must be installed: pip install 'twinecho[dask]'") from None
     try:
-        with Client(scheduler, timeout="10s", set_as_default=True):
+        with Client(scheduler, timeout="5s", set_as_default=True):
             yield
     except (OSError, TimeoutError, CancelledError) as error:
         said = str(error) or type(error).__name__

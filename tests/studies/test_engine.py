@@ -1,8 +1,8 @@
 import json
+import multiprocessing
 import os
 import signal
 import subprocess
-import sys
 import time
 from dataclasses import replace
 
@@ -96,32 +96,27 @@ def test_a_harmed_block_file_is_found_and_computed_again(small, plain, tmp_path,
 
 
 def test_runs_killed_at_random_moments_go_on_to_the_same_bits(small, tmp_path):
-    larger = replace(small, trials=2000, block_trials=50)
+    larger = replace(small, trials=4000, block_trials=50)
     plain = table_of(larger, Run(jobs=1, backend="sequential"), tmp_path / "plain")
-    program = (
-        "from dataclasses import replace; from pathlib import Path; from studies import engine;"
-        "from studies.catalogue import STUDIES; import sys;"
-        "study = replace(STUDIES['wrap-errors'](), snr=(0.0, 10.0), looks=(9,), relative_bandwidth=(0.3,),"
-        " trials=2000, block_trials=50);"
-        "engine.run(study, engine.Run(jobs=2, backend='threading'), Path(sys.argv[1]),"
-        " lambda done, total: print(done, flush=True))"
-    )
-    rng = np.random.default_rng(5)
-    folder, kills, done = tmp_path / "killed", 0, []
-    for _ in range(200):
-        process = subprocess.Popen([sys.executable, "-c", program, str(folder)], stdout=subprocess.PIPE, text=True)
-        first = process.stdout.readline()
-        time.sleep(rng.uniform(0.0, 0.8))
-        process.send_signal(signal.SIGKILL)
-        process.communicate()
-        kills += process.returncode == -signal.SIGKILL
-        done.append(int(first or 0))
-        if kills >= 20:
-            break
-    assert kills >= 20
-    assert done == sorted(done)
-    assert done[-1] > 0
-    pd.testing.assert_frame_equal(table_of(larger, Run(jobs=2, backend="threading"), folder), plain, check_exact=True)
+    how, folder, rng = Run(jobs=2, backend="threading"), tmp_path / "killed", np.random.default_rng(5)
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(["studies.engine", "studies.catalogue"])
+
+    def stored():
+        return len(list((folder / "blocks").glob("*-*.parquet")))
+
+    for _ in range(20):
+        process = context.Process(target=engine.run, args=(larger, how, folder))
+        enough = stored() + rng.integers(0, 6)
+        process.start()
+        while process.is_alive() and stored() < enough:
+            time.sleep(0.001)
+        time.sleep(rng.uniform(0.0, 0.02))
+        process.kill()
+        process.join()
+        assert process.exitcode == -signal.SIGKILL
+    assert stored() > 20
+    pd.testing.assert_frame_equal(table_of(larger, how, folder), plain, check_exact=True)
 
 
 def test_a_killed_worker_costs_its_block_only(small, plain, tmp_path):
