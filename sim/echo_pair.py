@@ -1,6 +1,6 @@
 """What two receivers recorded, and what is known of it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -106,6 +106,13 @@ class EchoPair:
         """(rows along track, samples in time)."""
         rows, samples = self.primary.shape
         return rows, samples
+
+    def rows(self, chosen: slice) -> "EchoPair":
+        """The same pair with only these of its rows, and what is known of them."""
+        truth = self.truth
+        if truth is not None and np.ndim(truth.delay) == 2:
+            truth = replace(truth, delay=truth.delay[chosen])
+        return replace(self, primary=self.primary[chosen], secondary=self.secondary[chosen], truth=truth)
 
     @property
     def grid(self) -> TimeGrid:

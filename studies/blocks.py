@@ -1,139 +1,284 @@
-"""The store of a run: one Parquet file for each block of trials, written whole or not at all."""
+"""The store of a run: Parquet files of measured blocks, each written whole or not at all."""
 
 import hashlib
+import heapq
 import json
 import os
-from collections.abc import Mapping, Sequence
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import groupby
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from studies.moments import QUANTITIES, Moments
+from studies.design import Point, Task
+from studies.drawing import Traces
+from studies.measurement import Block, Failure, Measurement
+from studies.moments import PAIRED, QUANTITIES, Moments
 from studies.seeds import canonical
-from studies.study import Block, Measurement, Point, Traces
 
 SCHEMA = pa.schema(
     [
-        ("labels", pa.string()),
+        ("block", pa.int64()),
+        ("trials", pa.int64()),
+        ("estimator", pa.string()),
+        ("window", pa.string()),
+        ("region", pa.string()),
+        ("regions", pa.int64()),
         ("facts", pa.string()),
         ("clusters", pa.int64()),
+        ("counted", pa.int64()),
+        ("wrap_errors", pa.int64()),
         ("totals", pa.list_(pa.float64())),
         ("products", pa.list_(pa.float64())),
+        ("square_weight", pa.float64()),
+        ("largest_weight", pa.float64()),
+        ("batches", pa.list_(pa.float64())),
         ("failures", pa.int64()),
-        ("failure", pa.string()),
+        ("failed", pa.string()),
+        ("flagged", pa.int64()),
         ("seconds_per_pixel", pa.float64()),
+        ("digest", pa.string()),
     ]
 )
 TRACES = pa.schema([("name", pa.string()), ("shape", pa.list_(pa.int64())), ("values", pa.list_(pa.float64()))])
 KEY = b"twinecho"
+ROWS = 1024
+"""Rows that are read, checked or written at a time."""
+
+_UPPER = np.triu_indices(len(QUANTITIES))
+_NAME = re.compile(r"([0-9a-f]{16})-(\d+)(?:-(\d+))?\.parquet")
 
 
-@dataclass(frozen=True)
-class Task:
-    """One block of trials of one design point."""
+class Stored(NamedTuple):
+    """A measurement as it was found."""
 
-    point: Point
     block: int
     trials: int
+    measurement: Measurement
+
+
+class Segment(NamedTuple):
+    """A file with rows of the blocks `first` to `last` of one point; not necessarily of all of them."""
+
+    first: int
+    last: int
+    path: Path
 
 
 @dataclass(frozen=True)
 class Store:
     """Block files below a folder, all of one design.
 
-    Every file holds what it is of, the digest of the design, the point, the block and its trials, and a digest of its
-    own rows. A file that says something else, that is cut off or whose rows have another digest counts as missing.
+    A block is written to a file of its own, and the files of a finished point are put together into one. Every file
+    names the design and the point, every row has a digest of both and of itself. A file or row that does not match,
+    that is cut off or damaged counts as missing.
 
     Parameters
     ----------
     folder
         Where the files are.
     design
-        Digest of all that decides their numbers but point, block and trials.
+        Digest of all that decides their numbers, but for the point and what is in the rows.
     """
 
     folder: Path
     design: str
 
     def path(self, task: Task) -> Path:
-        """File of a block."""
-        name = hashlib.sha256(canonical(task.point)).hexdigest()[:16]
-        return self.folder / f"{name}-{task.block:06d}.parquet"
+        """File of a single block."""
+        return self.folder / f"{task.point.key}-{task.block:06d}.parquet"
+
+    @cached_property
+    def _segments(self) -> dict[str, list[Segment]]:
+        """The files of each point, as they were when the store was opened."""
+        found = defaultdict(list)
+        if self.folder.is_dir():
+            with os.scandir(self.folder) as entries:
+                for entry in entries:
+                    if name := _NAME.fullmatch(entry.name):
+                        first, last = int(name[2]), int(name[3] or name[2])
+                        found[name[1]].append(Segment(first, last, Path(entry.path)))
+        return {key: sorted(segments) for key, segments in found.items()}
+
+    def read(self, point: Point) -> Iterator[tuple[int, list[Stored]]]:
+        """The good rows of a point, block by block in order; a few in memory at a time."""
+        return self._merged(point, self._segments.get(point.key, []))
+
+    def _merged(self, point: Point, segments: Sequence[Segment]) -> Iterator[tuple[int, list[Stored]]]:
+        rows = heapq.merge(*(self._rows(point, segment.path) for segment in segments), key=lambda row: row.block)
+        for block, together in groupby(rows, key=lambda row: row.block):
+            once = {(row.trials, *row.measurement.labels, row.measurement.region): row for row in together}
+            yield block, list(once.values())
 
     def write(self, task: Task, block: Block) -> None:
-        """Store the measurements of a block and, of the first of a point, its traces."""
+        """Store the measurements of a block beside others of it, and the traces of the first of a point."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        rows = [_row(measurement) for measurement in block.measurements]
-        if task.block == 0:
-            traces = [
-                {"name": name, "shape": np.shape(values), "values": np.ravel(values)}
-                for name, values in block.traces.items()
-            ]
-            self._write(task, _traces_path(self.path(task)), pa.Table.from_pylist(traces, TRACES))
-        self._write(task, self.path(task), pa.Table.from_pylist(rows, SCHEMA))
+        if task.block == 0 and block.traces:
+            self._write_traces(task.point, block.traces)
+        new = {m.labels for m in block.measurements}
+        kept = [
+            row
+            for row in self._rows(task.point, self.path(task))
+            if row.trials == task.trials and row.measurement.labels not in new
+        ]
+        rows = [*kept, *(Stored(task.block, task.trials, measurement) for measurement in block.measurements)]
+        self._write(self.path(task), task.point, rows)
 
-    def read(self, task: Task) -> Sequence[Measurement]:
-        """Measurements of a block; none where there is no good file of it."""
-        table = self._read(task, self.path(task))
-        return [] if table is None else [_measurement(row) for row in table.to_pylist()]
+    def compact(self, point: Point, shorter_than: float = np.inf) -> None:
+        """Put the files of a point into one, all that there are now or those of fewer blocks than a number."""
+        now = Store(self.folder, self.design)
+        segments = [s for s in now._segments.get(point.key, []) if s.last - s.first + 1 < shorter_than]
+        if len(segments) < 2:
+            return
+        first, last = segments[0].first, max(segment.last for segment in segments)
+        path = self.folder / f"{point.key}-{first:06d}-{last:06d}.parquet"
+        self._write(path, point, (row for _, rows in self._merged(point, segments) for row in rows))
+        for segment in segments:
+            if segment.path != path:
+                segment.path.unlink(missing_ok=True)
 
-    def read_traces(self, task: Task) -> Traces:
-        """Traces of the first block of a point; none where there is no good file of them."""
-        table = self._read(task, _traces_path(self.path(task)))
-        rows: list[dict[str, Any]] = [] if table is None else table.to_pylist()
-        return {row["name"]: np.array(row["values"]).reshape(row["shape"]) for row in rows}
+    def clean(self) -> None:
+        """Remove what a writer that was killed left half written."""
+        for left in self.folder.glob(".*.parquet.*"):
+            left.unlink(missing_ok=True)
 
-    def _identity(self, task: Task, table: pa.Table) -> bytes:
-        rows = hashlib.sha256(json.dumps(table.to_pylist()).encode()).hexdigest()
-        of = {"design": self.design, "point": dict(task.point), "block": task.block, "trials": task.trials}
-        return canonical({**of, "rows": rows})
-
-    def _write(self, task: Task, path: Path, table: pa.Table) -> None:
-        whole = table.replace_schema_metadata({KEY: self._identity(task, table)})
-        beside = path.with_name(f".{path.name}.{os.getpid()}")
+    def read_traces(self, point: Point) -> Traces:
+        """Traces of the first trial of a point; none where there is no good file of them."""
         try:
-            pq.write_table(whole, beside)
-            beside.replace(path)
-        finally:
-            beside.unlink(missing_ok=True)
-
-    def _read(self, task: Task, path: Path) -> pa.Table | None:
-        try:
-            table = pq.read_table(path)
-            metadata: Mapping[bytes, bytes] = table.schema.metadata or {}
-            return table if metadata.get(KEY) == self._identity(task, table) else None
+            table = pq.read_table(self._traces_path(point))
+            rows = table.to_pylist()
+            good = (table.schema.metadata or {}).get(KEY) == self._identity(point, rows)
         except (OSError, UnicodeDecodeError, pa.ArrowException):
-            return None
+            return {}
+        return {row["name"]: np.array(row["values"]).reshape(row["shape"]) for row in rows} if good else {}
+
+    def _write_traces(self, point: Point, traces: Traces) -> None:
+        together = {**self.read_traces(point), **traces}
+        rows = [{"name": n, "shape": list(np.shape(v)), "values": np.ravel(v).tolist()} for n, v in together.items()]
+        table = pa.Table.from_pylist(rows, TRACES).replace_schema_metadata({KEY: self._identity(point, rows)})
+        with _replacing(self._traces_path(point)) as beside:
+            pq.write_table(table, beside.path)
+
+    def _traces_path(self, point: Point) -> Path:
+        return self.folder / f"{point.key}.traces.parquet"
+
+    def _identity(self, point: Point, rows: Sequence[Mapping[str, Any]] = ()) -> bytes:
+        of = hashlib.sha256(json.dumps(rows).encode()).hexdigest() if rows else ""
+        return canonical({"design": self.design, "echoes": point.echoes, "rows": of})
+
+    def _write(self, path: Path, point: Point, rows: Iterable[Stored]) -> None:
+        identity = self._identity(point)
+        schema = SCHEMA.with_metadata({KEY: identity})
+        with _replacing(path) as beside, pq.ParquetWriter(beside.path, schema) as writer:
+            for chunk in _chunks(rows):
+                plain = [_signed(_plain(row), identity) for row in chunk]
+                writer.write_table(pa.Table.from_pylist(plain, schema))
+
+    def _rows(self, point: Point, path: Path) -> Iterator[Stored]:
+        """The good rows of a file, in the order of their blocks."""
+        identity = self._identity(point)
+        try:
+            with pq.ParquetFile(path) as file:
+                if (file.schema_arrow.metadata or {}).get(KEY) != identity:
+                    return
+                for batch in file.iter_batches(ROWS):
+                    for plain in batch.to_pylist():
+                        if plain["digest"] == _signed(plain, identity)["digest"]:
+                            yield _stored(plain)
+        except (OSError, UnicodeDecodeError, pa.ArrowException):
+            return
 
 
-def _traces_path(path: Path) -> Path:
-    return path.with_suffix(".traces.parquet")
+class _replacing:
+    """A path beside another, that takes its place when all went well and is removed otherwise."""
+
+    def __init__(self, path: Path) -> None:
+        self.final, self.path = path, path.with_name(f".{path.name}.{os.getpid()}")
+
+    def __enter__(self) -> "_replacing":
+        return self
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        try:
+            if kind is None:
+                self.path.replace(self.final)
+        finally:
+            self.path.unlink(missing_ok=True)
 
 
-def _row(measurement: Measurement) -> dict[str, Any]:
+def _chunks(rows: Iterable[Stored]) -> Iterator[list[Stored]]:
+    chunk: list[Stored] = []
+    for row in rows:
+        chunk.append(row)
+        if len(chunk) == ROWS:
+            yield chunk
+            chunk = []
+    if chunk:
+        yield chunk
+
+
+def _signed(plain: Mapping[str, Any], identity: bytes) -> dict[str, Any]:
+    """A row with the digest of its other columns and of the file's identity."""
+    unsigned = {name: plain[name] for name in SCHEMA.names if name != "digest"}
+    digest = hashlib.sha256(identity + json.dumps(unsigned).encode()).hexdigest()[:32]
+    return {**unsigned, "digest": digest}
+
+
+def _plain(row: Stored) -> dict[str, Any]:
+    m, moments = row.measurement, row.measurement.moments
     return {
-        "labels": json.dumps(dict(measurement.labels)),
-        "facts": json.dumps(dict(measurement.facts)),
-        "clusters": measurement.moments.clusters,
-        "totals": measurement.moments.totals,
-        "products": measurement.moments.products.ravel(),
-        "failures": measurement.failures,
-        "failure": measurement.failure,
-        "seconds_per_pixel": measurement.seconds_per_pixel,
+        "block": row.block,
+        "trials": row.trials,
+        "estimator": m.estimator,
+        "window": m.window,
+        "region": m.region,
+        "regions": m.regions,
+        "facts": json.dumps(dict(m.facts)),
+        "clusters": moments.clusters,
+        "counted": moments.trials,
+        "wrap_errors": moments.wrap_errors,
+        "totals": moments.totals.tolist(),
+        "products": moments.products[_UPPER].tolist(),
+        "square_weight": moments.square_weight,
+        "largest_weight": moments.largest_weight,
+        "batches": m.batches.ravel().tolist(),
+        "failures": m.failures,
+        "failed": json.dumps([list(failure) for failure in m.failed]),
+        "flagged": m.flagged,
+        "seconds_per_pixel": m.seconds_per_pixel,
     }
 
 
-def _measurement(row: Mapping[str, Any]) -> Measurement:
-    size = len(QUANTITIES)
-    return Measurement(
-        labels=json.loads(row["labels"]),
-        facts=json.loads(row["facts"]),
-        moments=Moments(row["clusters"], np.array(row["totals"]), np.array(row["products"]).reshape(size, size)),
-        failures=row["failures"],
-        failure=row["failure"],
-        seconds_per_pixel=row["seconds_per_pixel"],
+def _stored(plain: Mapping[str, Any]) -> Stored:
+    products = np.empty((len(QUANTITIES),) * 2)
+    products[_UPPER] = products.T[_UPPER] = plain["products"]
+    moments = Moments(
+        clusters=plain["clusters"],
+        trials=plain["counted"],
+        wrap_errors=plain["wrap_errors"],
+        totals=np.array(plain["totals"]),
+        products=products,
+        square_weight=plain["square_weight"],
+        largest_weight=plain["largest_weight"],
     )
+    measurement = Measurement(
+        plain["estimator"],
+        plain["window"],
+        plain["region"],
+        plain["regions"],
+        facts=json.loads(plain["facts"]),
+        moments=moments,
+        batches=np.array(plain["batches"]).reshape(-1, len(PAIRED)),
+        failures=plain["failures"],
+        failed=[Failure(*failure) for failure in json.loads(plain["failed"])],
+        flagged=plain["flagged"],
+        seconds_per_pixel=plain["seconds_per_pixel"],
+    )
+    return Stored(plain["block"], plain["trials"], measurement)

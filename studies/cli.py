@@ -1,28 +1,28 @@
 """The command `twinecho`."""
 
 import sys
-from collections.abc import Iterator, Mapping
+import tomllib
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import fields, replace
-from difflib import get_close_matches
 from itertools import chain, count
 from pathlib import Path
 from time import perf_counter
-from typing import Annotated, Any, get_args, get_origin, get_type_hints
+from typing import Annotated, Any
 
-import pandas as pd
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from studies import engine, manifest
-from studies import report as results
-from studies.catalogue import STUDIES
+from studies import catalogue, engine, manifest, report, shards
+from studies.design import methods
+from studies.replay import one_block, one_trial
+from studies.status import status as status_of
 from studies.study import Study
-from studies.table import tabulate
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 console = Console(highlight=False)
+
+Folder = Annotated[Path, typer.Argument(help="Folder of a run.")]
 
 
 @app.callback()
@@ -32,171 +32,144 @@ def twinecho() -> None:
 
 @app.command("list")
 def list_studies() -> None:
-    """List the shipped studies, their parameters and their estimators."""
-    for name, make in STUDIES.items():
-        study = make()
-        console.print(f"{name}: {study.question}")
-        console.print(f"  estimators: {', '.join(study.methods())}")
-        for field in fields(study):
-            console.print(f"  --set {field.name}={_text(getattr(study, field.name))}")
+    """List the shipped studies with their estimators and axes."""
+    for name in catalogue.NAMES:
+        study = catalogue.study(name)
+        console.print(f"{name}: {study.question}", soft_wrap=True)
+        console.print(f"  estimators: {', '.join(section.name for section in study.estimators)}", soft_wrap=True)
+        for axis in study.axes:
+            for key, values in axis.items():
+                console.print(f"  --set {key}={','.join(str(value) for value in values)}", soft_wrap=True)
+        console.print(f"  file: {catalogue.path_of(name)}", soft_wrap=True)
+
+
+@app.command()
+def check(
+    file: Annotated[str, typer.Argument(help="A study file, or the name of a shipped study.")],
+) -> None:
+    """Check a study file, and say what it would run."""
+    with _one_line_errors():
+        study = catalogue.study(file)
+        design = engine.check(study)
+        trials = study.trials
+        console.print(f"{study.name}: {study.question}", soft_wrap=True)
+        console.print(f"{len(design)} design points of up to {trials.count} trials, in blocks of {trials.block}")
+        for method in methods(study, design[0]):
+            console.print(f"  {' '.join(method.labels)}: {method.section.method}", soft_wrap=True)
 
 
 @app.command()
 def run(
-    names: Annotated[list[str], typer.Argument(help="Names of studies; see `twinecho list`.")],
-    quick: Annotated[bool, typer.Option(help="A smaller sweep for a first look.")] = False,
+    names: Annotated[list[str], typer.Argument(help="Names of shipped studies (see `twinecho list`), or study files.")],
+    quick: Annotated[bool, typer.Option("--quick", help="A smaller sweep for a first look.")] = False,
     estimator: Annotated[list[str] | None, typer.Option(help="Only this estimator; may be repeated.")] = None,
     setting: Annotated[
-        list[str] | None, typer.Option("--set", help="A parameter, as KEY=VALUE; may be repeated.")
+        list[str] | None,
+        typer.Option("--set", help="Another value, as KEY=VALUE, or more of them along an axis; may be repeated."),
     ] = None,
-    trials: Annotated[int | None, typer.Option(help="Trials at each design point.")] = None,
+    trials: Annotated[int | None, typer.Option(help="Trials at each design point, at the most.")] = None,
     jobs: Annotated[int, typer.Option(help="Blocks at a time; -1 for one a processor.")] = -1,
     backend: Annotated[str, typer.Option(help="loky, threading, sequential or dask.")] = "loky",
     scheduler: Annotated[str | None, typer.Option(help="Address of a Dask scheduler, for --backend dask.")] = None,
     seed: Annotated[int, typer.Option(help="Root of all random numbers.")] = 2026,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out"),
+    shard: Annotated[str, typer.Option(help="Only the K-th of N parts, as K/N, into a folder of its own.")] = "1/1",
     fail_fast: Annotated[bool, typer.Option("--fail-fast", help="End at the first estimate that fails.")] = False,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Start anew beside an earlier run.")] = False,
+    fresh: Annotated[bool, typer.Option("--fresh/--resume", help="Start anew beside an earlier run.")] = False,
 ) -> None:
-    """Run studies, or go on with an earlier run: OUT/NAME/ gets the blocks, the table, the figures and the manifest."""
+    """Run studies, or go on with an earlier run: OUT/NAME/ gets the blocks, the tables, the figures and the report."""
     with _one_line_errors():
         values = dict(_key_and_value(text) for text in setting or [])
         if trials is not None:
-            values["trials"] = str(trials)
-        studies = [configured(name, quick, values) for name in names]
-        how = engine.Run(
-            methods=tuple(estimator or ()),
-            seed=seed,
-            jobs=jobs,
-            backend=backend,
-            scheduler=scheduler,
-            fail_fast=fail_fast,
-        )
+            values["trials.count"] = trials
+        studies = [_configured(name, quick, values, estimator or []) for name in names]
+        share = shards.parsed(shard)
+        how = engine.Run(seed=seed, jobs=jobs, backend=backend, scheduler=scheduler, fail_fast=fail_fast, share=share)
         for study in studies:
-            engine.check(study, how)
+            engine.check(study)
         for study in studies:
-            folder = _free(out / study.name) if fresh else out / study.name
+            name = study.name if share.of == 1 else f"{study.name}-shard-{share.number}-of-{share.of}"
+            folder = _free(out / name) if fresh else out / name
             _run_with_progress(study, how, folder)
-            _report(study, how.methods or tuple(study.methods()), how.seed, folder)
+            _report(folder)
 
 
 @app.command()
-def status(folder: Annotated[Path, typer.Argument(help="Folder of a run.")]) -> None:
+def status(folder: Folder) -> None:
     """Count the blocks of a run that are there, missing and hold failures, for each design point."""
     with _one_line_errors():
-        study, methods, seed = _earlier(folder)
-        store = engine.store_of(study, seed, folder)
-        rows = []
-        for task in engine.tasks(study):
-            found = store.read(task)
-            rows.append(
-                {
-                    **task.point,
-                    "there": not engine.missing(store, task, methods),
-                    "missing": bool(engine.missing(store, task, methods)),
-                    "failures": sum(measurement.failures for measurement in found),
-                }
-            )
-        table = pd.DataFrame(rows)
-        counted = table.groupby(list(study.points()[0]), dropna=False, sort=False).sum().reset_index()
-        console.print(counted.to_string(index=False), soft_wrap=True)
-        console.print(f"{int(table.there.sum())} of {len(table)} blocks are there")
+        table = status_of(*manifest.study_of(folder), folder)
+        console.print(table.to_string(index=False), soft_wrap=True)
+        console.print(f"{table.there.sum()} of {(table.there + table.missing).sum()} blocks are there")
 
 
-@app.command()
-def report(folder: Annotated[Path, typer.Argument(help="Folder of a run.")]) -> None:
-    """Make table and figures of a run anew from its block files."""
+@app.command("report")
+def report_again(folder: Folder) -> None:
+    """Make the tables, figures and page of a run anew from its block files."""
     with _one_line_errors():
-        study, methods, seed = _earlier(folder)
-        _report(study, methods, seed, folder)
+        _report(folder)
 
 
 @app.command()
 def replay(
-    folder: Annotated[Path, typer.Argument(help="Folder of a run.")],
+    folder: Folder,
     point: Annotated[int, typer.Argument(help="Number of the design point, from 0.")],
     block: Annotated[int, typer.Argument(help="Number of the block, from 0.")],
+    trial: Annotated[int | None, typer.Argument(help="Number of the trial in the block, from 0.")] = None,
 ) -> None:
-    """Measure one block of a run again, in the foreground, and show what it gives."""
+    """Measure one block of a run again, in the foreground, and show what it gives, or what one of its trials gives."""
     with _one_line_errors():
-        study, methods, seed = _earlier(folder)
-        points = study.points()
-        if not 0 <= point < len(points):
-            raise ValueError(f"point is {point}; it must lie between 0 and {len(points) - 1}")
-        of_point = [task for task in engine.tasks(study) if task.point == points[point]]
-        if not 0 <= block < len(of_point):
-            raise ValueError(f"block is {block}; it must lie between 0 and {len(of_point) - 1}")
-        found = engine.measure(study, of_point[block], methods, seed).measurements
-        table = tabulate([(points[point], [found])])
-        for measurement in found:
-            if measurement.failure:
-                console.print(f"{' '.join(measurement.labels.values())}: {measurement.failure}", soft_wrap=True)
-        labels = [column for measurement in found[:1] for column in measurement.labels]
-        shown = table[[*labels, "trials", "failures", "wrap_errors", "delay_bias", "delay_std_in_wrap", "rmse"]]
-        console.print(shown.to_string(index=False, float_format="{:.6g}".format), soft_wrap=True)
+        study, seed = manifest.study_of(folder)
+        table = one_block(study, seed, point, block) if trial is None else one_trial(study, seed, point, block, trial)
+        console.print(table.to_string(index=False, float_format="{:.6g}".format), soft_wrap=True)
 
 
-def _earlier(folder: Path) -> tuple[Study, tuple[str, ...], int]:
-    """Study, estimators and seed of an earlier run."""
-    found = manifest.read(folder)
-    name = found["design"]["study"]
-    study = manifest.restored(_known(name), found["parameters"])
-    return study, tuple(found["methods"]), int(found["design"]["seed"])
+@app.command()
+def merge(
+    folder: Annotated[Path, typer.Argument(help="Folder for the whole run.")],
+    parts: Annotated[list[Path], typer.Argument(help="Folders of its shards.")],
+) -> None:
+    """Join shards of a run into one folder, and list what is missing."""
+    with _one_line_errors():
+        missing = shards.merge(folder, parts)
+        _report(folder)
+        if missing.empty:
+            console.print("nothing is missing")
+        else:
+            console.print(f"{len(missing)} blocks are missing:")
+            console.print(missing.head(20).to_string(index=False), soft_wrap=True)
+            if len(missing) > 20:
+                console.print("...")
+
+
+def _configured(name: str, quick: bool, values: dict[str, Any], estimators: list[str]) -> Study:
+    study = catalogue.study(name)
+    study = study.for_a_first_look() if quick else study
+    return study.with_values(values).of_estimators(estimators)
+
+
+def _key_and_value(text: str) -> tuple[str, Any]:
+    key, separator, value = text.partition("=")
+    if not separator:
+        raise ValueError(f"--set is {text!r}; it must be KEY=VALUE")
+    parts = (
+        [_parsed(part.strip()) for part in value.split(",")] if not value.startswith(("[", "{")) else [_parsed(value)]
+    )
+    return key, parts[0] if len(parts) == 1 else parts
+
+
+def _parsed(text: str) -> Any:
+    """A value as TOML reads it, or text where it does not."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
 
 
 def _free(folder: Path) -> Path:
     """The folder, or the first of its name with a number that does not exist."""
     numbered = (folder.with_name(f"{folder.name}-{number}") for number in count(2))
     return next(path for path in chain([folder], numbered) if not path.exists())
-
-
-def _known(name: str) -> type[Study]:
-    if name not in STUDIES:
-        near = get_close_matches(name, STUDIES)
-        hint = f"; did you mean {near[0]}?" if near else ""
-        raise ValueError(f"study is {name!r}; it must be one of {', '.join(STUDIES)}{hint}")
-    return STUDIES[name]
-
-
-def configured(name: str, quick: bool, values: Mapping[str, str]) -> Study:
-    """A shipped study with some parameters set from text.
-
-    Raises
-    ------
-    ValueError
-        For an unknown study or parameter, and for a value that it does not take.
-    """
-    study = _known(name)()
-    study = study.quick() if quick else study
-    types = get_type_hints(type(study))
-    known = [field.name for field in fields(study)]
-    for key in values:
-        if key not in known:
-            raise ValueError(f"parameter is {key!r}; of {name} it must be one of {', '.join(known)}")
-    changes = {key: _parsed(key, text, types[key]) for key, text in values.items()}
-    changed: Study = replace(study, **changes)
-    return changed
-
-
-def _key_and_value(text: str) -> tuple[str, str]:
-    key, separator, value = text.partition("=")
-    if not separator:
-        raise ValueError(f"--set is {text!r}; it must be KEY=VALUE")
-    return key, value
-
-
-def _parsed(key: str, text: str, kind: Any) -> Any:
-    if get_origin(kind) is tuple:
-        return tuple(_parsed(key, part, get_args(kind)[0]) for part in text.split(","))
-    try:
-        return kind(text)
-    except ValueError:
-        wanted = "a whole number" if kind is int else "a number"
-        raise ValueError(f"{key} is {text!r}; it must be {wanted}") from None
-
-
-def _text(value: Any) -> str:
-    return ",".join(f"{part:g}" for part in value) if isinstance(value, tuple) else f"{value:g}"
 
 
 def _run_with_progress(study: Study, how: engine.Run, folder: Path) -> None:
@@ -220,26 +193,29 @@ class _Lines:
     """Progress as a plain line for each tenth of the blocks, with the time that the rest will take."""
 
     def __init__(self, name: str) -> None:
-        self.name, self.start, self.first, self.shown = name, perf_counter(), -1, -1
+        self.name, self.start, self.first, self.shown = name, perf_counter(), -1, (-1, -1)
 
     def __call__(self, done: int, total: int) -> None:
-        tenth = 10 * done // total
+        reached = 10 * done // max(total, 1), total
         self.first = done if self.first < 0 else self.first
-        if tenth == self.shown:
+        if reached == self.shown:
             return
-        self.shown = tenth
+        self.shown = reached
         seconds = perf_counter() - self.start
         left = f", {seconds * (total - done) / (done - self.first):.0f} s left" if done > self.first else ""
         print(f"{self.name}: {done} of {total} blocks in {seconds:.0f} s{left}", file=sys.stderr, flush=True)
 
 
-def _report(study: Study, methods: tuple[str, ...], seed: int, folder: Path) -> None:
-    """Write table and figures of what a folder holds; show a short table and the paths."""
-    found = results.result(study, engine.store_of(study, seed, folder), methods)
-    paths = [folder / manifest.NAME, *results.write(study, found, folder)]
+def _report(folder: Path) -> None:
+    """Write what a folder's blocks give; show a short table and the paths."""
+    study, seed = manifest.study_of(folder)
+    found = report.result(study, engine.store_of(study, seed, folder))
+    paths = [folder / manifest.NAME, *report.write(study, found, folder)]
     console.print(f"\n{study.name}: {study.question}", soft_wrap=True)
-    short = study.summary(found.table)
+    short = report.summary(study, found)
     console.print(short.to_string(index=False, float_format="{:.3g}".format), soft_wrap=True)
+    for text in found.warnings:
+        print(f"twinecho: warning: {text}", file=sys.stderr)
     for path in paths:
         console.print(str(path), soft_wrap=True)
 

@@ -1,16 +1,45 @@
 """Run a study: blocks of trials, in parallel, into a store that any later run goes on with."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from joblib import delayed
 from joblib.externals.loky.process_executor import TerminatedWorkerError
+from numpy.typing import NDArray
 
 from studies import manifest, seeds
-from studies.blocks import Store, Task
-from studies.parallel import BACKENDS, parallel
-from studies.study import Block, Study
+from studies.blocks import Store
+from studies.design import Point, Task, blocks, methods, points, task
+from studies.measure import measure
+from studies.method import Method
+from studies.parallel import BACKENDS, one_thread, parallel
+from studies.stopping import standings
+from studies.study import Study
+
+LOOSE = 512
+"""Blocks of a point that may lie in files of their own before these are put together."""
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class Share:
+    """One of several machines' part of a study: number `number` of `of`, from 1."""
+
+    number: int = 1
+    of: int = 1
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.number <= self.of:
+            raise ValueError(f"shard is {self.number}/{self.of}; it must be K/N with K between 1 and N")
+
+    def of_blocks(self, study: Study, point: Point, chosen: NDArray[np.intp]) -> NDArray[np.intp]:
+        """The blocks that belong to it: every `of`-th, or all of every `of`-th point where a rule ends points."""
+        places = point.number + 0 * chosen if study.trials.until else point.number * blocks(study) + chosen
+        mine: NDArray[np.intp] = chosen[places % self.of == self.number - 1]
+        return mine
 
 
 @dataclass(frozen=True)
@@ -19,10 +48,8 @@ class Run:
 
     Attributes
     ----------
-    methods
-        Names of the estimators to compare; all of the study's where empty.
     seed
-        Root of all random numbers.
+        Root of all random numbers, 0 to 2^128 - 1.
     jobs
         Blocks at a time; as joblib counts them.
     backend
@@ -31,61 +58,57 @@ class Run:
         Address of a running Dask scheduler, for the backend "dask". Its workers must see the folder of the run.
     fail_fast
         Whether the first estimate that fails ends the run; otherwise it is counted.
+    share
+        Which part of the study.
+
+    Raises
+    ------
+    ValueError
+        For a value that cannot be.
     """
 
-    methods: tuple[str, ...] = ()
     seed: int = 2026
     jobs: int = -1
     backend: str = "loky"
     scheduler: str | None = None
     fail_fast: bool = False
+    share: Share = Share()
+
+    def __post_init__(self) -> None:
+        if self.backend not in BACKENDS:
+            raise ValueError(f"backend is {self.backend!r}; it must be one of {', '.join(BACKENDS)}")
+        if (self.backend == "dask") != (self.scheduler is not None):
+            raise ValueError(
+                f"scheduler is {self.scheduler!r}; the backend dask needs one, such as tcp://host:8786, no other"
+            )
+        seeds.check(self.seed)
+        if self.jobs == 0:
+            raise ValueError("jobs is 0; it must be 1 or more, or -1 for one a processor")
 
 
-def check(study: Study, how: Run) -> tuple[str, ...]:
-    """Names of the estimators that a run compares; ValueError for an unknown estimator or backend, or a bad seed."""
-    known = tuple(study.methods())
-    for name in how.methods:
-        if name not in known:
-            raise ValueError(f"estimator is {name!r}; of {study.name} it must be one of {', '.join(known)}")
-    if how.backend not in BACKENDS:
-        raise ValueError(f"backend is {how.backend!r}; it must be one of {', '.join(BACKENDS)}")
-    if (how.backend == "dask") != (how.scheduler is not None):
-        raise ValueError(
-            f"scheduler is {how.scheduler!r}; the backend dask needs one, such as tcp://host:8786, no other"
-        )
-    seeds.check(how.seed)
-    if how.jobs == 0:
-        raise ValueError("jobs is 0; it must be 1 or more, or -1 for one a processor")
-    return how.methods or known
+def check(study: Study) -> list[Point]:
+    """The design points of a study, each of which can be simulated and estimated.
 
-
-def tasks(study: Study) -> list[Task]:
-    """All blocks of a study, those of one point after each other."""
-    starts = range(0, study.trials, study.block_trials)
-    return [
-        Task(point, number, min(study.block_trials, study.trials - start))
-        for point in study.points()
-        for number, start in enumerate(starts)
-    ]
+    Raises
+    ------
+    ValueError
+        For a point, a window or an estimator that cannot be; names what was given and what is allowed.
+    """
+    found = list(points(study))
+    for point in found:
+        made = methods(study, point)
+        if point.number == 0:
+            for method in made:
+                method.build(seeds.generator(0, point.echoes, 0, method.stream()))
+    return found
 
 
 def store_of(study: Study, seed: int, folder: Path) -> Store:
-    """The block files of a study with a seed below a folder."""
+    """The block files of a study with a seed below a folder, as they are now."""
     return Store(folder / "blocks", manifest.digest(manifest.design(study, seed)))
 
 
-def missing(store: Store, task: Task, methods: Sequence[str]) -> list[str]:
-    """Estimators that a stored block lacks."""
-    there = {measurement.labels["estimator"] for measurement in store.read(task)}
-    return [name for name in methods if name not in there]
-
-
-def measure(study: Study, task: Task, methods: Sequence[str], seed: int) -> Block:
-    """Simulate one block and apply estimators to it; always the same numbers."""
-    return study.measure(task.point, methods, task.trials, seeds.generator(seed, task.point, task.block))
-
-
-def run(study: Study, how: Run, folder: Path, progress: Callable[[int, int], None] = lambda done, total: None) -> None:
+def run(study: Study, how: Run, folder: Path, progress: Progress = lambda done, total: None) -> None:
     """Simulate and estimate what a folder lacks of a study.
 
     Every block is stored as it is done. The numbers depend on the study, its estimators and the seed alone, but for the
@@ -96,55 +119,97 @@ def run(study: Study, how: Run, folder: Path, progress: Callable[[int, int], Non
     study
         What to run.
     how
-        Which estimators, which seed, on how many processes.
+        Which seed, on how many processes.
     folder
         Where to, and what to go on with.
     progress
-        Called with the number of blocks done and in all.
+        Called with the number of blocks done and in all, as far as is known.
 
     Raises
     ------
     ValueError
-        For an unknown estimator or backend, for a folder of another design, for whatever the study finds wrong, and
-        for the first failure where it shall end the run.
+        For a folder of another design, for whatever the study finds wrong, and for the first failure where it shall end
+        the run.
     OSError
         Where the folder cannot be written.
     """
-    methods = check(study, how)
-    manifest.begin(study, how.seed, methods, folder)
-    store, wanted = store_of(study, how.seed, folder), tasks(study)
-    lacking = [(task, names) for task in wanted if (names := missing(store, task, methods))]
-    while lacking:
-        progress(len(wanted) - len(lacking), len(wanted))
+    design = check(study)
+    manifest.begin(study, how.seed, folder)
+    store_of(study, how.seed, folder).clean()
+    deaths = 0
+    while True:
+        store = store_of(study, how.seed, folder)
+        lacks = [_Lack.of(study, how.share, point, store) for point in design]
+        total, left = sum(lack.total for lack in lacks), sum(lack.blocks.size for lack in lacks)
+        progress(total - left, total)
+        if not left:
+            break
         try:
-            for done, _ in enumerate(_complete(study, how, store, lacking), len(wanted) - len(lacking) + 1):
-                progress(done, len(wanted))
+            for number in _completed(study, how, lacks, folder):
+                left, deaths = left - 1, 0
+                progress(total - left, total)
+                lacks[number].tidy(store)
         except TerminatedWorkerError:
             # A worker that is killed takes its pool along. What was stored stays; the rest is asked for again.
-            still = [(task, names) for task, _ in lacking if (names := missing(store, task, methods))]
-            if len(still) == len(lacking):
-                raise OSError("a worker was killed before any block was done; the machine may lack memory") from None
-            lacking = still
-        else:
-            break
-    progress(len(wanted), len(wanted))
+            deaths += 1
+            if deaths > 1:
+                raise OSError("workers are killed before any block is done; the machine may lack memory") from None
 
 
-def _complete(study: Study, how: Run, store: Store, lacking: Sequence[tuple[Task, list[str]]]) -> Iterator[None]:
-    """Complete the blocks that lack something; yields as each is stored."""
+@dataclass(eq=False)
+class _Lack:
+    """What a share of a study lacks at a point: blocks, and for each estimator which of them."""
+
+    point: Point
+    total: int
+    blocks: NDArray[np.intp]
+    methods: list[tuple[Method, NDArray[np.intp]]]
+    left: int
+
+    @classmethod
+    def of(cls, study: Study, share: Share, point: Point, store: Store) -> "_Lack":
+        found = standings(study, point, methods(study, point), store.read(point))
+        lacking = [
+            (method, share.of_blocks(study, point, found[method.labels].missing)) for method in methods(study, point)
+        ]
+        whole = np.arange(max(standing.target for standing in found.values()))
+        missing = np.unique(np.concatenate([numbers for _, numbers in lacking]))
+        return cls(point, share.of_blocks(study, point, whole).size, missing, lacking, missing.size)
+
+    def tasks(self, study: Study) -> Iterator[tuple[Task, list[Method]]]:
+        for block in self.blocks.tolist():
+            yield task(study, self.point, block), [method for method, numbers in self.methods if block in numbers]
+
+    def tidy(self, store: Store) -> None:
+        """Put files together when the point is finished, and now and then before."""
+        self.left -= 1
+        if self.left == 0:
+            store.compact(self.point)
+        elif self.left % LOOSE == 0:
+            store.compact(self.point, shorter_than=LOOSE)
+
+
+def _completed(study: Study, how: Run, lacks: Sequence[_Lack], folder: Path) -> Iterator[int]:
+    """Complete the blocks that are lacking; yields the number of the point of each as it is stored."""
+    store = store_of(study, how.seed, folder)
     with parallel(how.backend, how.jobs, how.scheduler) as workers:
-        yield from workers(delayed(_complete_block)(study, store, task, names, how) for task, names in lacking)
+        yield from workers(
+            delayed(_complete_block)(store, lack.point.number, task, methods, study.trials.block, how)
+            for lack in lacks
+            for task, methods in lack.tasks(study)
+        )
 
 
-def _complete_block(study: Study, store: Store, task: Task, names: Sequence[str], how: Run) -> None:
-    """Measure what a block lacks, and store it with what it has, in the study's order of estimators."""
-    block = measure(study, task, names, how.seed)
-    failures = [measurement for measurement in block.measurements if measurement.failure]
+def _complete_block(
+    store: Store, number: int, task: Task, lacking: Sequence[Method], block_trials: int, how: Run
+) -> int:
+    """Measure what a block lacks, and store it with what it has."""
+    with one_thread():
+        block = measure(task, lacking, block_trials, how.seed)
+    failures = [measurement for measurement in block.measurements if measurement.failed]
     if how.fail_fast and failures:
-        named = " ".join(failures[0].labels.values())
-        raise ValueError(f"{named} failed at {dict(task.point)}, block {task.block}, {failures[0].failure}")
-    order = list(study.methods())
-    together = [*store.read(task), *block.measurements]
-    together.sort(key=lambda measurement: order.index(measurement.labels["estimator"]))
-    traces = {**store.read_traces(task), **block.traces} if task.block == 0 else {}
-    store.write(task, replace(block, measurements=together, traces=traces))
+        first, named = failures[0].failed[0], " ".join(failures[0].labels)
+        varied = dict(task.point.varied)
+        raise ValueError(f"{named} failed at {varied}, block {task.block}, trial {first.trial}: {first.error}")
+    store.write(task, block)
+    return number

@@ -1,4 +1,4 @@
-"""What a run is, written down before it starts: the design that decides its numbers, and where they came from."""
+"""What a run is, written down before it starts: the study, what decides its numbers, and where they came from."""
 
 import hashlib
 import json
@@ -6,24 +6,26 @@ import os
 import platform
 import subprocess
 from collections.abc import Mapping
-from dataclasses import fields
 from importlib import metadata
 from pathlib import Path
-from typing import Any, get_origin, get_type_hints
+from typing import Any
 
+from studies.section import plain
 from studies.seeds import canonical
-from studies.study import Study
+from studies.study import Study, made
 
 NAME = "manifest.json"
 
+PACKAGES = ("numpy", "scipy", "finufft", "joblib", "pyarrow", "pandas")
+
 
 def design(study: Study, seed: int) -> dict[str, Any]:
-    """What decides the numbers of every block: the study but for its axes and trials, the seed, the version."""
+    """What decides the numbers of every block beside its point: study, version, seed, trials in a block."""
     return {
         "study": study.name,
         "twinecho": metadata.version("twinecho"),
         "seed": seed,
-        **{field.name: getattr(study, field.name) for field in fields(study) if field.name not in study.axes},
+        "trials.block": study.trials.block,
     }
 
 
@@ -32,7 +34,21 @@ def digest(made: Mapping[str, Any]) -> str:
     return hashlib.sha256(canonical(made)).hexdigest()
 
 
-def begin(study: Study, seed: int, methods: tuple[str, ...], folder: Path) -> None:
+def fixed(study: Study, seed: int) -> dict[str, Any]:
+    """All that a run holds fixed, by key: the design, the values that are no axis, and each estimator."""
+    axes = {key for axis in study.axes for key in axis}
+    tree = plain(study)
+    values = {
+        f"{section}.{key}": value
+        for section in ("sonar", "patch", "scene")
+        for key, value in tree.get(section, {}).items()
+        if f"{section}.{key}" not in axes
+    }
+    chosen = {f"estimators.{e.name}": {"method": e.method, "options": dict(e.options)} for e in study.estimators}
+    return {**design(study, seed), **values, **chosen}
+
+
+def begin(study: Study, seed: int, folder: Path) -> None:
     """Write the manifest of a run, or renew that of one of the same design.
 
     Raises
@@ -42,37 +58,53 @@ def begin(study: Study, seed: int, methods: tuple[str, ...], folder: Path) -> No
     OSError
         Where the folder cannot be written.
     """
-    made = _as_json(design(study, seed))
+    now, tree = fixed(study, seed), plain(study)
     path = folder / NAME
-    known: list[str] = []
     if path.exists():
         before = read(folder)
-        differing = [key for key in {**before["design"], **made} if before["design"].get(key) != made.get(key)]
+        known = before["fixed"]
+        differing = [key for key in known if key in now and known[key] != now[key]]
         if differing:
-            changes = ", ".join(f"{key} was {before['design'].get(key)}, is {made.get(key)}" for key in differing)
+            changes = ", ".join(f"{key} was {known[key]}, is {now[key]}" for key in differing)
             raise ValueError(f"{folder} holds a run of another design: {changes}; take --fresh or another --out")
-        known = before["methods"]
+        tree["estimators"] = _together(before["study"]["estimators"], tree["estimators"])
+        now = {**{key: known[key] for key in known if key.startswith("estimators.")}, **now}
     folder.mkdir(parents=True, exist_ok=True)
     written = {
-        "design": made,
-        "question": study.question,
-        "parameters": {field.name: getattr(study, field.name) for field in fields(study)},
-        "methods": [name for name in study.methods() if name in {*known, *methods}],
+        "study": tree,
+        "seed": seed,
+        "fixed": now,
+        "digest": digest(design(study, seed)),
         "commit": _commit(),
-        "versions": {name: metadata.version(name) for name in ("numpy", "scipy", "finufft", "joblib", "pyarrow")},
+        "versions": {name: metadata.version(name) for name in PACKAGES},
         "python": platform.python_version(),
         "machine": f"{platform.machine()}, {os.cpu_count()} processors",
     }
     beside = path.with_name(f".{NAME}.{os.getpid()}")
-    beside.write_text(json.dumps(written, indent=2) + "\n")
-    beside.replace(path)
+    try:
+        beside.write_text(json.dumps(written, indent=2) + "\n")
+        beside.replace(path)
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def _together(before: list[dict[str, Any]], now: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Estimators of an earlier run and of this one, with the windows of both."""
+    by_name = {section["name"]: dict(section) for section in before}
+    for section in now:
+        known = by_name.get(section["name"], {})
+        windows = [*known.get("windows", []), *section.get("windows", [])]
+        by_name[section["name"]] = {**known, **section}
+        if windows:
+            by_name[section["name"]]["windows"] = [w for i, w in enumerate(windows) if w not in windows[:i]]
+    return list(by_name.values())
 
 
 def read(folder: Path) -> dict[str, Any]:
     """The manifest of a run; ValueError where the folder holds none that can be read."""
     try:
         found: dict[str, Any] = json.loads((folder / NAME).read_text())
-        whole = {"design", "parameters", "methods"} <= set(found) and "study" in found["design"]
+        whole = {"study", "seed", "fixed"} <= set(found)
     except (OSError, ValueError, TypeError):
         whole = False
     if not whole:
@@ -80,26 +112,22 @@ def read(folder: Path) -> dict[str, Any]:
     return found
 
 
-def restored(kind: type[Study], parameters: Mapping[str, Any]) -> Study:
-    """The study of a manifest; ValueError where its parameters are not those of this version."""
-    types = get_type_hints(kind)
-    if set(parameters) != {field.name for field in fields(kind)}:
-        raise ValueError(f"the manifest's parameters are {', '.join(parameters)}; they are not those of {kind.name}")
-    return kind(**{k: tuple(v) if get_origin(types[k]) is tuple else v for k, v in parameters.items()})
-
-
-def _as_json(made: Mapping[str, Any]) -> dict[str, Any]:
-    same: dict[str, Any] = json.loads(json.dumps(made))
-    return same
+def study_of(folder: Path) -> tuple[Study, int]:
+    """Study and seed of an earlier run; ValueError where this version cannot run it."""
+    found = read(folder)
+    return made(found["study"], str(folder / NAME)), int(found["seed"])
 
 
 def _commit() -> str | None:
     """Commit of the checkout that runs, with a mark where it was changed; None outside a checkout."""
     here = Path(__file__).parent
-    found = [
-        subprocess.run(["git", "-C", str(here), *arguments], capture_output=True, text=True, check=False)
-        for arguments in (["rev-parse", "HEAD"], ["status", "--porcelain", "--", "."])
-    ]
+    try:
+        found = [
+            subprocess.run(["git", "-C", str(here), *arguments], capture_output=True, text=True, check=False)
+            for arguments in (["rev-parse", "HEAD"], ["status", "--porcelain", "--", ".", "../sim", "../estimators"])
+        ]
+    except OSError:
+        return None
     if any(answer.returncode for answer in found):
         return None
     return found[0].stdout.strip() + ("-dirty" if found[1].stdout.strip() else "")

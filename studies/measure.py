@@ -1,89 +1,125 @@
-"""What the studies share when they measure an estimator: its time, its errors, and what theory expects of it."""
+"""One block of trials: the same echoes to every estimator, and the sums of their errors."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from time import perf_counter
-from typing import NamedTuple
 
 import numpy as np
 
-from estimators import Estimator, bounds
-from sim import EchoPair
-from sim.band import Real
+from estimators import Estimator, SplitSpectrum, bounds
+from sim import EchoPair, Sonar
+from studies.attempt import Attempt, attempt
+from studies.design import Task
+from studies.measurement import Block, Failure, Measurement
+from studies.method import Method
 from studies.moments import of_errors
-from studies.study import Measurement
+from studies.seeds import generator
+from studies.world import Reading, World
+
+MOST_FAILED = 100
+"""Failed trials of a block that are kept one by one; the others are counted."""
+
+NORMAL_95 = 1.959963984540054
+"""Half the width of a 95 % interval of a normal distribution, in standard deviations."""
 
 
-class Attempt(NamedTuple):
-    """What an estimator made of a pair: delays [s], NaN where it failed; what it said then; its time [s a pixel]."""
-
-    delay: Real
-    failure: str
-    seconds_per_pixel: float
-
-
-def attempt(estimator: Estimator, pair: EchoPair) -> Attempt:
-    """Apply an estimator to a pair. Whatever it raises is kept, and no estimate of the pair counts."""
-    start = perf_counter()
-    try:
-        delay, failure = estimator.estimate(pair).delay, ""
-    except Exception as error:  # Whatever a user's estimator does must not stop the study.
-        delay, failure = np.full(pair.shape, np.nan), f"{type(error).__name__}: {' '.join(str(error).split())}"
-    return Attempt(delay, failure, (perf_counter() - start) / pair.primary.size)
+def echoes(task: Task, block_trials: int, seed: int) -> EchoPair:
+    """The echoes of a block; a short block has the first trials of a whole one."""
+    point = task.point
+    pair = point.world.simulate(point.sonar, block_trials, generator(seed, point.echoes, task.block))
+    return pair if task.trials == block_trials else pair.rows(slice(0, task.trials))
 
 
-def expected(
-    method: str, looks: float, coherence: float, centre_frequency: float, bandwidth: float
-) -> Mapping[str, float]:
-    """What theory says of a method, in columns of the table.
-
-    `crlb` is the coherent wideband bound whatever the method, `ziv_zakai` the bound with wraps for a delay within
-    `1 / B` of zero [s]; `predicted_wrap_rate` is that of the method's kind, and `wrap` the delay of one [s].
-    """
-    predict = (
-        bounds.split_spectrum_wrap_error_probability if method == "split-spectrum" else bounds.wrap_error_probability
-    )
-    ratio = bandwidth / centre_frequency
-    return {
-        "looks": looks,
-        "coherence": coherence,
-        "relative_bandwidth": ratio,
-        "wrap": 1 / centre_frequency,
-        "predicted_wrap_rate": float(predict(looks, coherence, ratio)),
-        "crlb": float(bounds.coherent_delay_crlb(looks, coherence, centre_frequency, bandwidth)),
-        "ziv_zakai": _ziv_zakai(looks, coherence, centre_frequency, bandwidth),
-    }
+def apply(method: Method, pair: EchoPair, task: Task, seed: int) -> tuple[Estimator, Attempt]:
+    """An estimator on the echoes of a block, with random numbers of its own if it takes any."""
+    estimator = method.build(generator(seed, task.point.echoes, task.block, method.stream()))
+    return estimator, attempt(estimator, pair, method.window)
 
 
-def measured(
-    labels: Mapping[str, str], facts: Mapping[str, float], errors: Real, outlier: float, made: Attempt
-) -> Measurement:
-    """Sum up the errors of an attempt.
+def measure(task: Task, methods: Sequence[Method], block_trials: int, seed: int) -> Block:
+    """Simulate one block and apply estimators to it; always the same numbers, but for the times.
 
     Parameters
     ----------
-    labels, facts
-        As of `Measurement`; `facts["wrap"]` scales the errors.
-    errors
-        Delay errors [s], shape (cluster, trial); one that is not finite is a failure.
-    outlier
-        Error beyond which an estimate is an outlier [s].
-    made
-        What they come from.
+    task
+        The block.
+    methods
+        The estimators.
+    block_trials
+        Trials of a whole block.
+    seed
+        Root of all random numbers.
     """
-    failed = ~np.isfinite(errors)
-    first = f"trial {int(np.argmax(failed.any(axis=1)))}: {made.failure or 'not a finite number'}"
+    point = task.point
+    pair = echoes(task, block_trials, seed)
+    measurements, traces = [], point.world.traces(pair)
+    for method in methods:
+        estimator, made = apply(method, pair, task, seed)
+        if traces:
+            traces[" ".join(method.labels)] = made.estimate.delay[0]
+        facts = expected(estimator, method.window.looks(pair), point.world, point.sonar)
+        readings = point.world.read(pair, method.window, made.estimate)
+        measurements += [_measured(method, reading, len(readings), facts, made, pair) for reading in readings]
+    return Block(measurements, traces)
+
+
+def _measured(
+    method: Method, reading: Reading, regions: int, facts: Mapping[str, float], made: Attempt, pair: EchoPair
+) -> Measurement:
+    """Sum up the errors of an attempt in one region; an error that is not finite is a failure."""
+    estimate, wrap = made.estimate, facts["wrap"]
+    moments, batches = of_errors(
+        reading.errors / wrap,
+        np.abs(reading.errors) > 0.5 / pair.bandwidth,
+        half_width=NORMAL_95 * reading.of(estimate.delay_std) / wrap,
+        claimed=reading.of(estimate.wrap_error_probability),
+    )
+    failed = ~np.isfinite(reading.errors)
+    said = dict(made.raised)
+    rows = np.arange(pair.shape[0])[reading.rows]
+    failures = [Failure(int(row), said.get(int(row), "not a finite number")) for row in rows[failed.any(axis=1)]]
     return Measurement(
-        labels=labels,
+        *method.labels,
+        region=reading.region,
+        regions=regions,
         facts=facts,
-        moments=of_errors(errors / facts["wrap"], np.abs(errors) > outlier),
+        moments=moments,
+        batches=batches,
         failures=int(failed.sum()),
-        failure=first if failed.any() else "",
-        seconds_per_pixel=made.seconds_per_pixel,
+        failed=failures[:MOST_FAILED],
+        flagged=int(np.sum(~reading.of(estimate.valid) & ~failed)),
+        seconds_per_pixel=made.seconds / pair.primary.size,
     )
 
 
-@lru_cache
+def expected(estimator: Estimator, looks: float, world: World, sonar: Sonar) -> Mapping[str, float]:
+    """What theory says of an estimator, in columns of the table.
+
+    `crlb` is the coherent wideband bound whatever the estimator, `ziv_zakai` the bound with wraps for a delay within
+    `1 / B` of zero [s]; `predicted_wrap_rate` is that of the estimator's kind, and `wrap` the delay of one [s].
+    """
+    fc, ratio, coherence = sonar.centre_frequency, sonar.relative_bandwidth, world.true_coherence
+    return {
+        "looks": looks,
+        "coherence": coherence,
+        "snr_db": world.snr_db,
+        "relative_bandwidth": ratio,
+        "wrap": sonar.wrap,
+        "predicted_wrap_rate": predicted_wrap_rate(estimator, looks, coherence, sonar),
+        "crlb": float(bounds.coherent_delay_crlb(looks, coherence, fc, sonar.bandwidth)),
+        "ziv_zakai": _ziv_zakai(looks, coherence, fc, sonar.bandwidth),
+    }
+
+
+def predicted_wrap_rate(estimator: Estimator, looks: float, coherence: float, sonar: Sonar) -> float:
+    """Wrap-error rate of an estimator of its kind: split spectrum, or the peak of a coherent correlation."""
+    ratio = sonar.relative_bandwidth
+    if isinstance(estimator, SplitSpectrum):
+        share = (estimator.sub_bandwidth or sonar.bandwidth / 3) / sonar.bandwidth
+        return float(bounds.split_spectrum_wrap_error_probability(looks, coherence, ratio, sub_band_share=share))
+    return float(bounds.wrap_error_probability(looks, coherence, ratio))
+
+
+@lru_cache(maxsize=4096)
 def _ziv_zakai(looks: float, coherence: float, centre_frequency: float, bandwidth: float) -> float:
-    """The bound for a delay within `1 / B` of zero; the same for all methods of a point."""
+    """The bound for a delay within `1 / B` of zero; the same for all estimators of a point."""
     return float(bounds.ziv_zakai_delay_std(looks, coherence, centre_frequency, bandwidth, 2 / bandwidth))

@@ -1,9 +1,11 @@
 """Where blocks are computed: in this process, in threads or processes, or on the workers of a Dask scheduler."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
+from functools import lru_cache
 
 from joblib import Parallel, parallel_config
+from threadpoolctl import ThreadpoolController
 
 BACKENDS = ("loky", "threading", "sequential", "dask")
 
@@ -11,8 +13,6 @@ BACKENDS = ("loky", "threading", "sequential", "dask")
 @contextmanager
 def parallel(backend: str, jobs: int, scheduler: str | None) -> Iterator[Parallel]:
     """Workers that give results as they are done, in any order.
-
-    Processes of loky and Dask compute in one thread each, so that they do not crowd each other out.
 
     Parameters
     ----------
@@ -50,3 +50,14 @@ def _dask(scheduler: str | None) -> Iterator[None]:
     except (OSError, TimeoutError, CancelledError) as error:
         said = str(error) or type(error).__name__
         raise OSError(f"the Dask scheduler {scheduler} does not answer: {said}; what was done is stored") from None
+
+
+@lru_cache(maxsize=1)
+def _libraries() -> ThreadpoolController:
+    return ThreadpoolController()
+
+
+def one_thread() -> AbstractContextManager[object]:
+    """One thread for the linear algebra of this process, so that blocks do not crowd each other out."""
+    limited: AbstractContextManager[object] = _libraries().limit(limits=1)
+    return limited

@@ -1,70 +1,147 @@
-"""What a run found: table and figures, from its block files alone."""
+"""What a run found: tables, figures and a page, from its block files alone."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from studies import engine
-from studies.blocks import Store, Task
-from studies.study import Measurement, Point, Study, Traces
-from studies.table import tabulate
+from studies.blocks import Store
+from studies.comparison import Comparison
+from studies.design import Point, methods, points
+from studies.drawing import Examples
+from studies.measurement import Measurement
+from studies.page import page
+from studies.stopping import Standing, measured_blocks
+from studies.study import Study
+from studies.table import row
 
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """A study's table, the blocks in which estimates failed, and an example of each design point."""
+    """A study's tables, and an example of each design point.
+
+    Attributes
+    ----------
+    table
+        A row for each design point, estimator, window and region.
+    differences
+        Every two estimators against each other on the same echoes.
+    failures
+        A row for each trial in which an estimator gave no number.
+    examples
+        For figures.
+    """
 
     table: pd.DataFrame
+    differences: pd.DataFrame
     failures: pd.DataFrame
-    traces: Sequence[tuple[Point, Traces]]
+    examples: Examples
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader must know of the table: rows that rest on few weights, and failures."""
+        said = []
+        few = int(self.table.few_dominate.sum())
+        if few:
+            said.append(f"in {few} of {len(self.table)} rows a few trials have most of the weight (few_dominate)")
+        failed = int(self.table.failures.sum())
+        if failed:
+            said.append(f"{failed} of {int(self.table.trials.sum())} estimates failed; failures.csv has the trials")
+        return said
 
 
-def result(study: Study, store: Store, methods: Sequence[str]) -> Result:
-    """Statistics of all blocks that a store holds of some of a study's estimators; one block in memory at a time.
+def result(study: Study, store: Store) -> Result:
+    """Statistics of all that a store holds of a study; a block in memory at a time, merged in block order.
 
     Raises
     ------
     ValueError
         Where no block is there.
     """
+    rows: list[dict[str, Any]] = []
+    differences: list[dict[str, Any]] = []
     failures: list[dict[str, Any]] = []
-
-    def measurements(task: Task) -> list[Measurement]:
-        found = [m for m in store.read(task) if m.labels["estimator"] in methods]
-        failures.extend(
-            {**task.point, **m.labels, "block": task.block, "failures": m.failures, "first": m.failure}
-            for m in found
-            if m.failures
-        )
-        return found
-
-    by_point = [(point, list(tasks)) for point, tasks in groupby(engine.tasks(study), lambda task: task.point)]
-    table = tabulate((point, (measurements(task) for task in tasks)) for point, tasks in by_point)
-    if table.empty:
+    examples = []
+    for point in points(study):
+        of_point = _Sums(study, point)
+        for block, by_method in measured_blocks(study, point, store.read(point)):
+            of_point.add(block, by_method)
+        rows += [row(point, measurement) for measurement in of_point.sums()]
+        differences += [{**point.columns, **found} for found in of_point.comparison.rows()]
+        failures += of_point.failures
+        traces = store.read_traces(point)
+        if traces:
+            examples.append((point.varied, traces))
+    if not rows:
         raise ValueError(f"{store.folder} holds no finished block; run the study first")
-    return Result(table, pd.DataFrame(failures), [(point, store.read_traces(tasks[0])) for point, tasks in by_point])
+    table = pd.DataFrame(rows)
+    return Result(table, pd.DataFrame(differences), pd.DataFrame(failures), examples)
+
+
+class _Sums:
+    """Sums over the blocks of a point, in order."""
+
+    def __init__(self, study: Study, point: Point) -> None:
+        self.point = point
+        self.standings = {method.labels: Standing(study) for method in methods(study, point)}
+        self.comparison = Comparison()
+        self.failures: list[dict[str, Any]] = []
+
+    def add(self, block: int, by_method: dict[tuple[str, str], list[Measurement]]) -> None:
+        counted = []
+        for labels, standing in self.standings.items():
+            found = by_method.get(labels, [])
+            if found and standing.add(block, found):
+                counted.append(found)
+                self.failures += [
+                    {
+                        **self.point.columns,
+                        "estimator": m.estimator,
+                        "window": m.window,
+                        "region": m.region,
+                        "block": block,
+                        "trial": failure.trial,
+                        "error": failure.error,
+                    }
+                    for m in found
+                    for failure in m.failed
+                ]
+        if len(counted) == len(self.standings):
+            self.comparison.add([m for found in counted for m in found])
+
+    def sums(self) -> list[Measurement]:
+        return [measurement for standing in self.standings.values() for measurement in standing.sums.values()]
 
 
 def write(study: Study, found: Result, folder: Path) -> list[Path]:
-    """Write the table, the failures if any, and the figures of a study; returns their paths.
+    """Write the tables, the figures and the page of a study; returns their paths.
 
     Raises
     ------
+    ValueError
+        For a figure or summary that asks for a column that there is not.
     OSError
         Where the folder cannot be written.
     """
-    figures = folder / "figures"
-    figures.mkdir(parents=True, exist_ok=True)
-    paths = [folder / "table.csv"]
-    found.table.to_csv(paths[0], index=False)
-    if not found.failures.empty:
-        paths.append(folder / "failures.csv")
-        found.failures.to_csv(paths[-1], index=False)
-    for name, figure in study.figures(found.table, found.traces).items():
-        paths.append(figures / f"{name}.png")
+    (folder / "figures").mkdir(parents=True, exist_ok=True)
+    tables = {"table": found.table, "differences": found.differences, "failures": found.failures}
+    paths = []
+    for name, table in tables.items():
+        path = folder / f"{name}.csv"
+        path.unlink(missing_ok=True)
+        if not table.empty:
+            table.to_csv(path, index=False)
+            paths.append(path)
+    drawn = {section.name: section.drawn(found.table, found.examples) for section in study.figures}
+    for name, figure in drawn.items():
+        paths.append(folder / "figures" / f"{name}.png")
         figure.savefig(paths[-1], dpi=150)
+    paths.append(folder / "report.html")
+    paths[-1].write_text(page(study, found.table, found.warnings, drawn, folder), encoding="utf-8")
     return paths
+
+
+def summary(study: Study, found: Result) -> pd.DataFrame:
+    """The few columns and rows that answer the question."""
+    return study.summary.of(found.table)

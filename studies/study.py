@@ -1,103 +1,201 @@
-"""What a study is: a question, its design points, and what one block of trials measures."""
+"""What a study is: a question, what is simulated, the estimators that are compared, the axes, how many trials."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import Field, dataclass, replace
-from typing import Any, ClassVar, Protocol, Self
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Self
 
-import numpy as np
-import pandas as pd
-from matplotlib.figure import Figure as Drawing
+from pydantic import Field, ValidationError, model_validator
 
-from estimators import Estimator, FixedWindow
-from sim.band import Real
-from studies.moments import Moments
-
-Point = Mapping[str, Any]
-"""Parameters of one design point; what JSON can hold."""
-
-Traces = Mapping[str, Real]
-"""Arrays of one example, by name, for figures."""
+from studies.drawing import FigureSection, SummarySection
+from studies.method import EstimatorSection
+from studies.patch import Patch
+from studies.section import Section, complaint, model_at, suggestion
+from studies.sonar_section import SonarSection
+from studies.swath import Swath
 
 
-@dataclass(frozen=True, eq=False)
-class Measurement:
-    """Errors of one estimator in one block of trials, summed.
+class Until(Section):
+    """When a point has had enough trials: every target that is given must be met, by each estimator for itself.
 
-    Attributes
+    Parameters
     ----------
-    labels
-        What tells this measurement from others of the same design point: estimator, window, region.
-    facts
-        Numbers that belong to it: looks, bounds, predictions; the same in every block.
-    moments
-        Sums over the errors.
-    failures
-        Estimates that gave no number.
-    failure
-        What the first of them said, and the trial; empty where none failed.
-    seconds_per_pixel
-        Time of the estimate over the number of pixels; the mean over clusters.
+    wrap_errors
+        So many wrap errors were seen.
+    wrap_rate_error
+        The standard error of the wrap-error rate is at most this share of it.
+    std_error
+        The standard error of the in-wrap standard deviation is at most this share of it.
     """
 
-    labels: Mapping[str, str]
-    facts: Mapping[str, float]
-    moments: Moments
-    failures: int
-    failure: str
-    seconds_per_pixel: float
+    wrap_errors: Annotated[int, Field(ge=1)] | None = None
+    wrap_rate_error: Annotated[float, Field(gt=0, lt=1)] | None = None
+    std_error: Annotated[float, Field(gt=0, lt=1)] | None = None
 
-    def __add__(self, other: "Measurement") -> "Measurement":
-        """The same estimator over this block and a later one."""
-        clusters = self.moments.clusters, other.moments.clusters
-        return replace(
-            self,
-            moments=self.moments + other.moments,
-            failures=self.failures + other.failures,
-            failure=self.failure or other.failure,
-            seconds_per_pixel=(clusters[0] * self.seconds_per_pixel + clusters[1] * other.seconds_per_pixel)
-            / sum(clusters),
-        )
+    @model_validator(mode="after")
+    def _asks_something(self) -> Self:
+        if not self.model_dump(exclude_none=True):
+            raise ValueError(f"no target is given; it must be some of {', '.join(type(self).model_fields)}")
+        return self
 
 
-@dataclass(frozen=True, eq=False)
-class Block:
-    """What one block of trials of one design point measured, and an example of it."""
+class Trials(Section):
+    """How many trials a design point has.
 
-    measurements: Sequence[Measurement]
-    traces: Traces
+    Parameters
+    ----------
+    count
+        Trials at each design point; the most, where `until` may end it sooner.
+    block
+        Trials in one block: what is simulated at once, stored at once, and lost at most. Best so many that a block
+        takes 0.2 s or more. It decides which random numbers a trial has.
+    until
+        A rule that stops a point; it is asked after 1, 2, 4, 8, ... blocks, so that it does not depend on speed.
+    """
+
+    count: Annotated[int, Field(ge=1)]
+    block: Annotated[int, Field(ge=1)]
+    until: Until | None = None
 
 
-class Study(Protocol):
-    """A question that a sweep of simulations answers; its fields are the parameters that a user may set."""
+Axis = Mapping[str, Annotated[tuple[Any, ...], Field(min_length=1)]]
 
-    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
-    name: ClassVar[str]
-    question: ClassVar[str]
-    axes: ClassVar[frozenset[str]]
-    """Parameters that only add or leave out design points or trials, and change the numbers of none."""
 
-    @property
-    def trials(self) -> int:
-        """Trials at each design point."""
+class Study(Section):
+    """A question that a sweep of simulations answers.
 
-    @property
-    def block_trials(self) -> int:
-        """Trials in one block."""
+    Parameters
+    ----------
+    name
+        Lower-case letters, digits and hyphens; the folder of its results.
+    question
+        What it asks, in a sentence.
+    sonar
+        The sonar.
+    patch, scene
+        What is simulated: one of the two.
+    estimators
+        What is compared, all on the same echoes.
+    axes
+        What is varied. Each is a table of keys with lists of values; keys of one table vary together and their lists
+        are as long as each other, and the design points are all combinations of the tables. A key is written with its
+        section, such as `patch.looks`.
+    points
+        Further design points, one table of keys and values each.
+    trials
+        How many.
+    summary, figures
+        What is shown of the results.
+    quick
+        Values that replace others for a first look, as with `--set`: `"trials.count" = 2000`, or those of an axis.
+    """
 
-    def quick(self) -> Self:
-        """A smaller study of the same question, for a first look."""
+    name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]*$")]
+    question: str
+    sonar: SonarSection
+    patch: Patch | None = None
+    scene: Swath | None = None
+    estimators: Annotated[tuple[EstimatorSection, ...], Field(min_length=1)]
+    axes: tuple[Axis, ...] = ()
+    points: tuple[Mapping[str, Any], ...] = ()
+    trials: Trials
+    summary: SummarySection = SummarySection()
+    figures: tuple[FigureSection, ...] = ()
+    quick: Mapping[str, Any] = {}
 
-    def points(self) -> Sequence[Point]:
-        """The design points."""
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if (self.patch is None) == (self.scene is None):
+            raise ValueError("patch and scene are both given or both missing; it must be one of them")
+        names = [section.name for section in self.estimators]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"estimators has two of the name {name!r}; each must have its own")
+        seen: set[str] = set()
+        for axis in self.axes:
+            lengths = {key: len(values) for key, values in axis.items()}
+            if len(set(lengths.values())) > 1:
+                raise ValueError(f"axes has {lengths} values; keys that vary together must have as many as each other")
+            for key in axis:
+                self._check_axis(key)
+                if key in seen:
+                    raise ValueError(f"axes has {key} twice; it must be in one table")
+                seen.add(key)
+        for point in self.points:
+            for key in point:
+                self._check_axis(key)
+        return self
 
-    def methods(self) -> Mapping[str, Callable[[FixedWindow], Estimator]]:
-        """The estimators that it compares, by name."""
+    def _check_axis(self, key: str) -> None:
+        """ValueError unless a key names something that decides the echoes."""
+        section, _, rest = key.partition(".")
+        there = ["sonar", "patch" if self.patch is not None else "scene"]
+        names = [f"{name}.{field}" for name in there for field in model_at(Study, [name]).model_fields]
+        if section not in there or key not in names or not rest:
+            raise ValueError(f"axes has {key!r}; it must be {suggestion(key, names)}")
 
-    def measure(self, point: Point, methods: Sequence[str], trials: int, rng: np.random.Generator) -> Block:
-        """Simulate trials of a point and apply the named methods to the same echoes."""
+    def with_values(self, values: Mapping[str, Any]) -> "Study":
+        """The same study with other values; a key that is an axis gets other values along it.
 
-    def summary(self, table: pd.DataFrame) -> pd.DataFrame:
-        """The few columns and rows that answer the question on a terminal."""
+        Raises
+        ------
+        ValueError
+            For a key that does not exist, and a value that cannot be; names both.
+        """
+        tree = self.model_dump(exclude_unset=True)
+        for key, value in values.items():
+            self._put(tree, key, value)
+        return made(tree, self.name)
 
-    def figures(self, table: pd.DataFrame, traces: Sequence[tuple[Point, Traces]]) -> Mapping[str, Drawing]:
-        """Draw the results, by file name without its ending."""
+    def _put(self, tree: dict[str, Any], key: str, value: Any) -> None:
+        for axis in tree.get("axes", ()):
+            if key in axis:
+                axis[key] = value if isinstance(value, list | tuple) else [value]
+                return
+        *path, last = key.split(".")
+        known = model_at(Study, path).model_fields
+        if (path and path[0] not in Study.model_fields) or last not in known:
+            whole = ".".join([*path, "{}"])
+            names = [whole.format(name) for name in known]
+            raise ValueError(f"there is no {key!r} in {self.name}; it must be {suggestion(key, names)}")
+        for step in path:
+            tree = tree.setdefault(step, {})
+        tree[last] = value
+
+    def for_a_first_look(self) -> "Study":
+        """The study with its `quick` values."""
+        return self.with_values(self.quick)
+
+    def of_estimators(self, names: Sequence[str]) -> "Study":
+        """The study with only these of its estimators, all where none is named; ValueError for an unknown name."""
+        known = [section.name for section in self.estimators]
+        for name in names:
+            if name not in known:
+                raise ValueError(f"estimator is {name!r}; of {self.name} it must be {suggestion(name, known)}")
+        kept = tuple(section for section in self.estimators if not names or section.name in names)
+        return self.model_copy(update={"estimators": kept})
+
+
+def made(tree: Mapping[str, Any], source: str) -> Study:
+    """A study from nested mappings; ValueError in one line that begins with the source."""
+    try:
+        return Study.model_validate(tree)
+    except ValidationError as error:
+        raise ValueError(f"{source}: {complaint(error, Study)}") from None
+
+
+def load(path: Path) -> Study:
+    """Read a study file.
+
+    Raises
+    ------
+    ValueError
+        Where it is no TOML, and for the first thing that is wrong in it: file, key, value and what is allowed.
+    OSError
+        Where it cannot be read.
+    """
+    try:
+        tree = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ValueError(f"{path}: it must be TOML: {error}") from None
+    return made(tree, str(path))

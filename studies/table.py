@@ -1,60 +1,78 @@
-"""From sums over errors to the table of a study: one row for each design point and estimator."""
+"""From sums over errors to the tables of a study: a row for each design point and estimator."""
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from studies import statistics
-from studies.study import Measurement, Point
+from studies.design import Point
+from studies.measurement import Measurement
+from studies.moments import Moments
+
+FEW = 10.0
+"""Effective number of weighted trials, or of weighted wrap errors, below which a row is marked as resting on a few."""
 
 
 def row(point: Point, measurement: Measurement) -> dict[str, Any]:
     """Statistics of one estimator at one design point.
 
-    A wrap error is an error of more than half the delay of a wrap; `in_wrap` statistics leave these out. Estimates
-    that are not finite count as failures and in no other statistic; none is drawn again.
+    A wrap error is an error of more than half the delay of a wrap; `in_wrap` statistics leave these out, `total` ones
+    do not. Estimates that are not finite count as failures and in no other statistic; none is drawn again.
     """
     facts, moments, failures = measurement.facts, measurement.moments, measurement.failures
-    wrap = facts["wrap"]
-    wraps, outliers = statistics.rate(moments, "wrong"), statistics.rate(moments, "outlier")
-    bias = statistics.ratio(moments, "right_error", "right")
-    spread, rmse = statistics.std_in_wrap(moments), statistics.rmse(moments)
+    wrap, trials = facts["wrap"], moments.trials + failures
+    wilson, exact = (interval(moments, "wrong") for interval in (statistics.wilson, statistics.clopper_pearson))
+    outliers = statistics.wilson(moments, "outlier")
+    coverage = statistics.wilson(moments, "covered", "right")
+    spread = statistics.std_in_wrap(moments)
     crlb = facts["crlb"] / wrap if facts["crlb"] > 0 else np.nan
+    parts = statistics.parts_of_mse(moments)
     return {
-        **point,
-        **measurement.labels,
-        **{name: value for name, value in facts.items() if name != "wrap"},
-        "trials": int(moments["tried"]) + failures,
+        **point.columns,
+        "estimator": measurement.estimator,
+        "window": measurement.window,
+        "region": measurement.region,
+        **facts,
+        "trials": trials,
         "failures": failures,
-        "wrap_errors": int(moments["wrong"]),
-        "wrap_rate": wraps.value,
-        "wrap_rate_low": wraps.low,
-        "wrap_rate_high": wraps.high,
+        "failure_rate": failures / trials if trials else np.nan,
+        "flagged_rate": measurement.flagged / trials if trials else np.nan,
+        "wrap_errors": moments.wrap_errors,
+        "wrap_rate": wilson.value,
+        "wrap_rate_se": statistics.ratio(moments, "wrong", "tried").error,
+        "wrap_rate_low": wilson.low,
+        "wrap_rate_high": wilson.high,
+        "wrap_rate_exact_low": exact.low,
+        "wrap_rate_exact_high": exact.high,
+        "claimed_wrap_rate": statistics.ratio(moments, "claimed", "tried").value,
         "outlier_rate": outliers.value,
         "outlier_rate_low": outliers.low,
         "outlier_rate_high": outliers.high,
-        "delay_bias": bias.value * wrap,
-        "delay_bias_se": bias.error * wrap,
-        "delay_std_in_wrap": spread.value * wrap,
-        "delay_std_in_wrap_se": spread.error * wrap,
-        "std_over_crlb": spread.value / crlb,
-        "std_over_crlb_se": spread.error / crlb,
-        "rmse": rmse.value * wrap,
-        "rmse_se": rmse.error * wrap,
+        **_with_error("delay_bias", statistics.ratio(moments, "right_error", "right"), wrap),
+        **_with_error("delay_std_in_wrap", spread, wrap),
+        **_with_error("std_over_crlb", spread, 1 / crlb),
+        "coverage": coverage.value,
+        "coverage_low": coverage.low,
+        "coverage_high": coverage.high,
+        **_with_error("delay_bias_total", statistics.ratio(moments, "error", "tried"), wrap),
+        **_with_error("delay_std_total", statistics.std(moments), wrap),
+        **_with_error("rmse", statistics.rmse(moments), wrap),
+        "mse_share_bias": parts.bias,
+        "mse_share_spread": parts.spread,
+        "mse_share_wraps": parts.wraps,
+        "effective_trials": statistics.effective_trials(moments),
+        "effective_wrap_errors": statistics.effective_hits(moments, "wrong"),
+        "few_dominate": _few_dominate(moments),
         "seconds_per_pixel": measurement.seconds_per_pixel,
     }
 
 
-def tabulate(results: Iterable[tuple[Point, Iterable[Iterable[Measurement]]]]) -> pd.DataFrame:
-    """Table of a study from its points and, for each, the measurements of its blocks in order; keeps sums only."""
-    rows = []
-    for point, blocks in results:
-        sums: dict[tuple[str, ...], Measurement] = {}
-        for block in blocks:
-            for measurement in block:
-                labels = tuple(measurement.labels.values())
-                sums[labels] = sums[labels] + measurement if labels in sums else measurement
-        rows += [row(point, measurement) for measurement in sums.values()]
-    return pd.DataFrame(rows)
+def _with_error(name: str, statistic: statistics.Statistic, scale: float) -> dict[str, float]:
+    return {name: statistic.value * scale, f"{name}_se": statistic.error * scale}
+
+
+def _few_dominate(moments: Moments) -> bool:
+    if not moments.weighted:
+        return False
+    hits = statistics.effective_hits(moments, "wrong")
+    return statistics.effective_trials(moments) < FEW or (moments.wrap_errors > 0 and hits < FEW)

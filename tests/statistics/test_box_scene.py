@@ -4,19 +4,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies import engine, report
-from studies.catalogue import STUDIES
+from studies import catalogue, engine, report
 
 
 @pytest.fixture(scope="module")
 def table(tmp_path_factory):
-    study, how, folder = (
-        STUDIES["box-scene"]().quick(),
-        engine.Run(jobs=2, seed=7),
-        tmp_path_factory.mktemp("box-scene"),
-    )
+    study, how = catalogue.study("box-scene").for_a_first_look(), engine.Run(jobs=2, seed=7)
+    folder = tmp_path_factory.mktemp("box-scene")
     engine.run(study, how, folder)
-    found = report.result(study, engine.store_of(study, how.seed, folder), tuple(study.methods())).table
+    found = report.result(study, engine.store_of(study, how.seed, folder)).table
     return found.set_index(["snr_db", "region", "estimator", "window"])
 
 

@@ -1,103 +1,156 @@
-import json
+"""The engine: nothing lost, nothing double, the same bits everywhere."""
+
+import errno
 import multiprocessing
 import os
+import resource
 import signal
 import subprocess
 import time
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
+import pyarrow.parquet as pq
 import pytest
 
 from estimators import CrossCorrelation
-from studies import engine, manifest, report, seeds
-from studies.catalogue import STUDIES, wrap_errors
-from studies.engine import Run
-from studies.measure import Attempt, measured
-from studies.table import row
+from studies import catalogue, engine, manifest, report, seeds, shards
+from studies.blocks import Store
+from studies.design import points, task
+from studies.engine import Run, Share
 
-
-@pytest.fixture
-def small():
-    return replace(
-        STUDIES["wrap-errors"](), snr=(0.0, 10.0), looks=(9,), relative_bandwidth=(0.3,), trials=300, block_trials=100
-    )
-
-
-def table_of(study, how, folder, **options):
-    engine.run(study, how, folder, **options)
-    methods = how.methods or tuple(study.methods())
-    found = report.result(study, engine.store_of(study, how.seed, folder), methods).table
-    return found.drop(columns="seconds_per_pixel")
-
-
-@pytest.fixture
-def plain(small, tmp_path):
-    return table_of(small, Run(jobs=1, backend="sequential"), tmp_path / "plain")
+PLAIN = Run(jobs=1, backend="sequential")
 
 
 @pytest.mark.parametrize("how", [Run(jobs=2), Run(jobs=2, backend="threading"), Run(jobs=1, backend="loky")])
-def test_the_table_does_not_depend_on_how_it_ran(small, plain, tmp_path, how):
+def test_the_table_does_not_depend_on_how_it_ran(small, plain, table_of, tmp_path, how):
     pd.testing.assert_frame_equal(table_of(small, how, tmp_path / "other"), plain, check_exact=True)
 
 
-def test_the_table_does_not_depend_on_the_order_of_the_blocks(small, plain, tmp_path, monkeypatch):
-    order = engine.tasks(small)
-    np.random.default_rng(1).shuffle(order)
-    with monkeypatch.context() as shuffled:
-        shuffled.setattr(engine, "tasks", lambda study: order)
-        engine.run(small, Run(jobs=1), tmp_path / "other")
+def test_the_table_does_not_depend_on_the_order_of_the_blocks(small, plain, table_of, tmp_path, monkeypatch):
+    in_order = engine._Lack.tasks
+
+    def shuffled(self, study):
+        found = list(in_order(self, study))
+        np.random.default_rng(1).shuffle(found)
+        return iter(found)
+
+    monkeypatch.setattr(engine._Lack, "tasks", shuffled)
     pd.testing.assert_frame_equal(table_of(small, Run(jobs=1), tmp_path / "other"), plain, check_exact=True)
 
 
-def test_a_second_run_computes_nothing(small, plain, tmp_path, monkeypatch):
+def test_a_second_run_computes_nothing(small, plain, table_of, tmp_path, monkeypatch):
     monkeypatch.setattr(engine, "measure", None)
-    pd.testing.assert_frame_equal(table_of(small, Run(jobs=1), tmp_path / "plain"), plain, check_exact=True)
+    pd.testing.assert_frame_equal(table_of(small, PLAIN, tmp_path / "plain"), plain, check_exact=True)
 
 
-def test_points_estimators_and_trials_come_later_as_well(small, plain, tmp_path):
+def test_points_estimators_and_trials_come_later_as_well(small, plain, table_of, tmp_path):
     folder = tmp_path / "grown"
-    first = replace(small, snr=(10.0,), trials=200)
-    table_of(first, Run(methods=("split-spectrum",), jobs=1), folder)
-    table_of(replace(first, trials=300), Run(methods=("cross-correlation", "split-spectrum"), jobs=1), folder)
-    pd.testing.assert_frame_equal(table_of(small, Run(jobs=1), folder), plain, check_exact=True)
+    first = small.with_values({"patch.snr": [10], "trials.count": 150})
+    table_of(first.of_estimators(["split-spectrum"]), PLAIN, folder)
+    more = first.with_values({"trials.count": 300})
+    table_of(more.of_estimators(["cross-correlation", "split-spectrum"]), PLAIN, folder)
+    pd.testing.assert_frame_equal(table_of(small, PLAIN, folder), plain, check_exact=True)
 
 
-def test_another_seed_gives_other_numbers(small, plain, tmp_path):
+def test_a_short_block_has_the_first_trials_of_a_whole_one(small):
+    point = next(points(small))
+    whole, short = (
+        engine.measure(task(small.with_values({"trials.count": n}), point, 0), [], 100, 1) for n in (100, 50)
+    )
+    assert not whole.measurements
+    assert not short.measurements
+    from studies.measure import echoes
+
+    whole, short = (echoes(task(small.with_values({"trials.count": n}), point, 0), 100, 1) for n in (100, 50))
+    np.testing.assert_array_equal(short.primary, whole.primary[:50])
+    np.testing.assert_array_equal(short.truth.delay, whole.truth.delay[:50])
+
+
+def test_another_seed_gives_other_numbers(small, plain, table_of, tmp_path):
     other = table_of(small, Run(jobs=1, seed=1), tmp_path / "other")
     assert not np.allclose(other.rmse, plain.rmse, rtol=1e-6)
 
 
-def test_a_changed_design_is_refused_by_name(small, tmp_path):
-    table_of(small, Run(jobs=1), tmp_path)
-    with pytest.raises(ValueError, match=r"another design: centre_frequency was 100000\.0, is 90000\.0; take --fresh"):
-        engine.run(replace(small, centre_frequency=90e3), Run(jobs=1), tmp_path)
-    with pytest.raises(ValueError, match="another design: seed was 2026, is 3;"):
-        engine.run(small, Run(jobs=1, seed=3), tmp_path)
+def test_a_changed_design_is_refused_by_name(small, table_of, tmp_path):
+    table_of(small, PLAIN, tmp_path)
+    for values, how, message in [
+        ({"patch.delay": 0.2}, PLAIN, "another design: patch.delay was 0.5, is 0.2; take --fresh"),
+        ({"sonar.preset": "hisas-1032"}, PLAIN, "another design: sonar.preset was hisas-100khz, is hisas-1032;"),
+        ({"trials.block": 50}, PLAIN, "another design: trials.block was 100, is 50;"),
+        ({}, Run(jobs=1, seed=3), "another design: seed was 2026, is 3;"),
+    ]:
+        with pytest.raises(ValueError, match=message):
+            engine.run(small.with_values(values), how, tmp_path)
+    tree = small.model_dump(exclude_unset=True)
+    tree["estimators"] = [{"name": "phase-slope", "method": "FullBandPhaseSlope", "options": {"refine": False}}]
+    with pytest.raises(ValueError, match=r"estimators\.phase-slope was .*, is .*refine"):
+        engine.run(small.with_values({"estimators": tree["estimators"]}), PLAIN, tmp_path)
 
 
-@pytest.mark.parametrize("harm", ["cut off", "emptied", "bits flipped", "of another block", "not Parquet"])
-def test_a_harmed_block_file_is_found_and_computed_again(small, plain, tmp_path, harm):
+def files_of(folder):
+    return sorted(path for path in (folder / "blocks").iterdir())
+
+
+def test_finished_points_are_one_file_each(small, plain, table_of, tmp_path):
+    assert len(files_of(tmp_path / "plain")) == 2
+    table_of(small.with_values({"trials.count": 500}), PLAIN, tmp_path / "plain")
+    assert len(files_of(tmp_path / "plain")) == 2
+
+
+def test_a_long_point_has_few_files_while_it_runs(small, table_of, tmp_path, monkeypatch):
+    monkeypatch.setattr(engine, "LOOSE", 8)
+    study = small.with_values({"patch.snr": [10], "trials.count": 640, "trials.block": 10})
+    most = []
+    count = lambda done, total: most.append(len(list((tmp_path / "a" / "blocks").glob("*"))) if done else 0)  # noqa: E731
+    found = table_of(study.of_estimators(["split-spectrum"]), PLAIN, tmp_path / "a", progress=count)
+    assert max(most) <= 8 + 64 // 8 + 1
+    assert most[-1] == 1
+    monkeypatch.setattr(engine, "LOOSE", 512)
+    plain = table_of(study.of_estimators(["split-spectrum"]), PLAIN, tmp_path / "b")
+    pd.testing.assert_frame_equal(found, plain, check_exact=True)
+
+
+HARMS = {
+    "cut off": lambda content, other: content[: len(content) // 2],
+    "emptied": lambda content, other: b"",
+    "bits flipped": lambda content, other: (
+        content[:200] + bytes(byte ^ 0x55 for byte in content[200:260]) + content[260:]
+    ),
+    "of another point": lambda content, other: other,
+    "not Parquet": lambda content, other: b"seconds,values\n",
+}
+
+
+@pytest.mark.parametrize("harm", HARMS)
+def test_a_harmed_file_is_found_and_computed_again(small, plain, table_of, tmp_path, harm):
+    path, other = files_of(tmp_path / "plain")
+    path.write_bytes(HARMS[harm](path.read_bytes(), other.read_bytes()))
     store = engine.store_of(small, 2026, tmp_path / "plain")
-    first, second = engine.tasks(small)[:2]
-    path, content = store.path(first), store.path(first).read_bytes()
-    spoilt = {
-        "cut off": content[: len(content) // 2],
-        "emptied": b"",
-        "bits flipped": content[:200] + bytes(byte ^ 0x55 for byte in content[200:260]) + content[260:],
-        "of another block": store.path(second).read_bytes(),
-        "not Parquet": b"seconds,values\n",
-    }[harm]
-    path.write_bytes(spoilt)
-    assert store.read(first) == []
-    pd.testing.assert_frame_equal(table_of(small, Run(jobs=1), tmp_path / "plain"), plain, check_exact=True)
-    assert len(store.read(first)) == 3
+    assert sum(len(list(store.read(point))) for point in points(small)) < 6
+    pd.testing.assert_frame_equal(table_of(small, PLAIN, tmp_path / "plain"), plain, check_exact=True)
 
 
-def test_runs_killed_at_random_moments_go_on_to_the_same_bits(small, tmp_path):
-    larger = replace(small, trials=4000, block_trials=50)
-    plain = table_of(larger, Run(jobs=1, backend="sequential"), tmp_path / "plain")
+def test_a_number_that_was_changed_is_found(small, plain, table_of, tmp_path):
+    path = files_of(tmp_path / "plain")[0]
+    table = pq.read_table(path)
+    column = table.schema.get_field_index("wrap_errors")
+    forged = table.set_column(column, table.schema.field(column), [[n + 1 for n in table["wrap_errors"].to_pylist()]])
+    pq.write_table(forged, path)
+    pd.testing.assert_frame_equal(table_of(small, PLAIN, tmp_path / "plain"), plain, check_exact=True)
+
+
+def test_blocks_of_another_design_are_not_used(small, plain, table_of, tmp_path):
+    other = tmp_path / "other"
+    table_of(small, Run(jobs=1, seed=5), other)
+    for mine, foreign in zip(files_of(tmp_path / "plain"), files_of(other), strict=True):
+        mine.write_bytes(foreign.read_bytes())
+    pd.testing.assert_frame_equal(table_of(small, PLAIN, tmp_path / "plain"), plain, check_exact=True)
+
+
+def test_runs_killed_at_random_moments_go_on_to_the_same_bits(small, table_of, tmp_path):
+    larger = small.with_values({"trials.count": 4000, "trials.block": 50})
+    plain = table_of(larger, PLAIN, tmp_path / "plain")
     how, folder, rng = Run(jobs=2, backend="threading"), tmp_path / "killed", np.random.default_rng(5)
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(["studies.engine", "studies.catalogue"])
@@ -105,7 +158,8 @@ def test_runs_killed_at_random_moments_go_on_to_the_same_bits(small, tmp_path):
     def stored():
         return len(list((folder / "blocks").glob("*-*.parquet")))
 
-    for _ in range(20):
+    kills = 0
+    while kills < 20:
         process = context.Process(target=engine.run, args=(larger, how, folder))
         enough = stored() + rng.integers(0, 6)
         process.start()
@@ -114,12 +168,14 @@ def test_runs_killed_at_random_moments_go_on_to_the_same_bits(small, tmp_path):
         time.sleep(rng.uniform(0.0, 0.02))
         process.kill()
         process.join()
-        assert process.exitcode == -signal.SIGKILL
+        kills += process.exitcode == -signal.SIGKILL
+        assert process.exitcode in (-signal.SIGKILL, 0)
     assert stored() > 20
     pd.testing.assert_frame_equal(table_of(larger, how, folder), plain, check_exact=True)
+    assert not list((folder / "blocks").glob(".*"))
 
 
-def test_a_killed_worker_costs_its_block_only(small, plain, tmp_path):
+def test_a_killed_worker_costs_its_block_only(small, table_of, tmp_path):
     killed = []
 
     def kill_one(done, total):
@@ -130,109 +186,180 @@ def test_a_killed_worker_costs_its_block_only(small, plain, tmp_path):
             killed.extend(int(line.split()[0]) for line in listed if "popen_loky_posix" in line)
             os.kill(killed[0], signal.SIGKILL)
 
-    found = table_of(replace(small, trials=900), Run(jobs=2), tmp_path / "other", progress=kill_one)
+    longer = small.with_values({"trials.count": 900})
+    found = table_of(longer, Run(jobs=2), tmp_path / "other", progress=kill_one)
     assert killed
-    plain = table_of(replace(small, trials=900), Run(jobs=1), tmp_path / "plain")
-    pd.testing.assert_frame_equal(found, plain, check_exact=True)
+    pd.testing.assert_frame_equal(found, table_of(longer, PLAIN, tmp_path / "plain"), check_exact=True)
+
+
+def no_space(*_):
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def test_a_full_disk_is_an_error_and_the_next_run_goes_on(small, plain, table_of, tmp_path, monkeypatch):
+    with monkeypatch.context() as full:
+        write = Store.write
+
+        def until_full(self, what, block):
+            if what.point.number == 1:
+                full.setattr("studies.blocks.pq.ParquetWriter", no_space)
+            write(self, what, block)
+
+        full.setattr(Store, "write", until_full)
+        with pytest.raises(OSError, match="No space left on device"):
+            engine.run(small, PLAIN, tmp_path / "full")
+    monkeypatch.setattr(engine, "measure", refuse_the_first_point(engine.measure))
+    pd.testing.assert_frame_equal(table_of(small, PLAIN, tmp_path / "full"), plain, check_exact=True)
+
+
+def refuse_the_first_point(measure):
+    def only_others(what, *rest):
+        assert what.point.number > 0, "what is stored is not measured again"
+        return measure(what, *rest)
+
+    return only_others
+
+
+def limited_run(study, folder, most_bytes):
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    try:
+        engine.run(study, PLAIN, folder)
+    except OSError:
+        os._exit(17)
+
+
+def test_a_file_that_the_system_refuses_leaves_nothing_half_written(small, plain, table_of, tmp_path):
+    # A limit on the size of a file is refused by the kernel half-way through the write, as a full disk is.
+    process = multiprocessing.get_context("fork").Process(target=limited_run, args=(small, tmp_path / "x", 6000))
+    process.start()
+    process.join()
+    assert process.exitcode == 17
+    blocks = tmp_path / "x" / "blocks"
+    assert not blocks.exists() or not [path for path in blocks.iterdir() if not path.name.endswith(".traces.parquet")]
+    pd.testing.assert_frame_equal(table_of(small, PLAIN, tmp_path / "x"), plain, check_exact=True)
+
+
+def test_shards_are_joined_to_the_same_bits_and_what_is_missing_is_listed(small, plain, table_of, tmp_path):
+    parts = [tmp_path / f"part-{k}" for k in (1, 2, 3)]
+    for k, part in enumerate(parts, 1):
+        engine.run(small, Run(jobs=1, backend="sequential", share=Share(k, 3)), part)
+    missing = shards.merge(tmp_path / "whole", parts[:2])
+    assert list(zip(missing.point, missing.block, strict=True)) == [(0, 2), (1, 2)]
+    assert shards.merge(tmp_path / "whole", parts[2:]).empty
+    found = report.result(small, engine.store_of(small, 2026, tmp_path / "whole")).table
+    pd.testing.assert_frame_equal(found.drop(columns="seconds_per_pixel"), plain, check_exact=True)
+    other = tmp_path / "other"
+    engine.run(small, Run(jobs=1, backend="sequential", seed=9), other)
+    with pytest.raises(ValueError, match="another design: seed was 2026, is 9"):
+        shards.merge(tmp_path / "whole", [other])
 
 
 def test_seeds_differ_by_point_block_and_stream():
     draws = {
-        seeds.generator(1, {"a": a}, block, stream).integers(2**63)
+        seeds.generator(root, {"a": a, "b": b}, block, stream).random()
+        for root in (1, 2)
         for a in (1, 2)
+        for b in (1, 2)
         for block in (0, 1)
         for stream in (0, 1)
     }
-    assert len(draws) == 8
-    first, second = (seeds.generator(1, point, 0) for point in ({"a": 1, "b": 2}, {"b": 2, "a": 1}))
-    assert first.integers(2**63) == second.integers(2**63)
+    assert len(draws) == 32
+    again = seeds.generator(1, {"b": 1, "a": 1}, 0).random()
+    assert again == seeds.generator(1, {"a": 1, "b": 1}, 0).random()
 
 
-def test_a_seed_is_the_same_on_every_machine():
-    # Philox of SeedSequence(1, spawn_key=(words of the SHA-256 of {"a":1}, 2, 0)), spelled out.
-    words = [0x015ABD7F, 0x5CC57A2D, 0xD94B7590, 0xF04AD808]
-    expected = np.random.Generator(np.random.Philox(np.random.SeedSequence(1, spawn_key=(*words, 2, 0))))
-    assert seeds.generator(1, {"a": 1}, 2).integers(2**63) == expected.integers(2**63)
+def test_a_seed_is_that_of_the_words_of_the_digest():
+    import hashlib
+    import json
+
+    point = {"a": 1.5, "b": [1, 2]}
+    text = json.dumps(point, sort_keys=True, separators=(",", ":"))
+    digest = hashlib.sha256(text.encode()).digest()
+    words = [int.from_bytes(digest[4 * i : 4 * i + 4], "big") for i in range(4)]
+    sequence = np.random.SeedSequence(2**127 + 3, spawn_key=(*words, 7, 1))
+    expected = np.random.Generator(np.random.Philox(sequence)).random()
+    assert seeds.generator(2**127 + 3, point, 7, 1).random() == expected
 
 
-def test_what_is_written_reads_back(small, plain, tmp_path):
-    folder = tmp_path / "plain"
-    store = engine.store_of(small, 2026, folder)
-    paths = report.write(small, report.result(small, store, tuple(small.methods())), folder)
-    assert {path.name for path in paths} == {"table.csv", "wrap-rate.png", "std-over-crlb.png"}
-    assert all(path.stat().st_size > 0 for path in paths)
-    written = pd.read_csv(folder / "table.csv").drop(columns="seconds_per_pixel")
-    pd.testing.assert_frame_equal(written, plain, check_dtype=False)
-    made = json.loads((folder / "manifest.json").read_text())
-    assert made["design"]["seed"] == 2026
-    assert made["parameters"]["snr"] == [0.0, 10.0]
-    assert manifest.restored(type(small), made["parameters"]) == small
+def test_the_manifest_says_where_the_numbers_come_from(small, plain, tmp_path):
+    found = manifest.read(tmp_path / "plain")
+    assert found["seed"] == 2026
+    assert {"study", "commit", "versions", "python", "machine", "digest"} <= set(found)
+    assert found["fixed"]["trials.block"] == 100
+    assert manifest.study_of(tmp_path / "plain") == (small, 2026)
 
 
-def test_traces_of_the_box_scene_read_back(tmp_path):
-    study = replace(STUDIES["box-scene"](), far=220.0, windows=(9,), trials=1, block_trials=1)
-    how = Run(methods=("interferogram",), jobs=1)
-    engine.run(study, how, tmp_path)
-    task = engine.tasks(study)[0]
-    found = engine.store_of(study, how.seed, tmp_path).read_traces(task)
-    direct = engine.measure(study, task, how.methods, how.seed).traces
+def test_traces_of_a_scene_come_back(tmp_path):
+    study = catalogue.study("box-scene").with_values({"scene.ground_range": [30, 60], "scene.features": []})
+    study = study.of_estimators(["interferogram"]).with_values({"trials.count": 2, "scene.snr": [15]})
+    engine.run(study, PLAIN, tmp_path)
+    point = next(points(study))
+    found = engine.store_of(study, 2026, tmp_path).read_traces(point)
+    direct = engine.measure(task(study, point, 0), engine.methods(study, point), 2, 2026).traces
     assert set(found) == set(direct) == {"slant range", "truth", "interferogram 1x1"}
     for name, values in direct.items():
         np.testing.assert_array_equal(found[name], values)
 
 
-def test_failed_estimates_are_counted_and_in_no_other_statistic():
-    facts = {"wrap": 2.0, "crlb": 0.1}
-    errors = np.array([[0.2], [-0.2], [np.nan], [4.0]])
-    measurement = measured({"estimator": "x"}, facts, errors, 3.0, Attempt(errors, "", 1.0))
-    assert measurement.failure == "trial 2: not a finite number"
-    found = row({"point": 1}, measurement)
-    assert found["trials"] == 4
-    assert found["failures"] == 1
-    assert found["wrap_errors"] == 1
-    assert found["wrap_rate"] == found["outlier_rate"] == pytest.approx(1 / 3)
-    assert found["delay_std_in_wrap"] == pytest.approx(0.2)
-    assert found["std_over_crlb"] == pytest.approx(2.0)
-    assert found["rmse"] == pytest.approx(np.sqrt((0.04 + 0.04 + 16.0) / 3))
-
-
 class Broken(CrossCorrelation):
-    """Raises at low SNR, gives no number for one record otherwise."""
+    """Raises where it meets a certain kind of record, and gives no number for another."""
 
     def estimate(self, pair):
+        from dataclasses import replace
+
+        first = pair.primary[:, 0].real
+        if (first > 1.5).any():
+            raise RuntimeError("too\nbright")
         found = super().estimate(pair)
-        if np.median(found.coherence) < 0.7:
-            raise RuntimeError("too\nnoisy")
-        delay = found.delay.copy()
-        delay[7] = np.nan
-        return replace(found, delay=delay)
+        return replace(found, delay=np.where(first[:, None] < -1.5, np.nan, found.delay))
 
 
 @pytest.fixture
-def with_broken(monkeypatch):
-    monkeypatch.setattr(wrap_errors, "METHODS", {**wrap_errors.METHODS, "broken": Broken})
+def with_broken(small):
+    sections = small.model_dump(exclude_unset=True)["estimators"]
+    return small.with_values({"estimators": [*sections, {"name": "broken", "method": f"{__name__}:Broken"}]})
 
 
-def test_an_estimator_that_fails_becomes_rows_and_the_study_goes_on(small, plain, tmp_path, with_broken):
-    folder = tmp_path / "failing"
-    engine.run(small, Run(jobs=1, backend="sequential"), folder)
-    found = report.result(small, engine.store_of(small, 2026, folder), tuple(small.methods()))
+def at_fault(study, bright):
+    """Point, block and trial of the records that the broken estimator cannot take."""
+    from studies.measure import echoes
+
+    found = []
+    for point in points(study):
+        for block in range(3):
+            first = echoes(task(study, point, block), 100, 2026).primary[:, 0].real
+            found += [(point.number, block, int(t)) for t in np.flatnonzero(first > 1.5 if bright else first < -1.5)]
+    return found
+
+
+def test_an_estimator_that_fails_becomes_rows_and_the_study_goes_on(small, plain, with_broken, tmp_path):
+    engine.run(with_broken, PLAIN, tmp_path)
+    found = report.result(with_broken, engine.store_of(with_broken, 2026, tmp_path))
     others = found.table[found.table.estimator != "broken"].drop(columns="seconds_per_pixel").reset_index(drop=True)
     pd.testing.assert_frame_equal(others, plain, check_exact=True)
-    broken = found.table[found.table.estimator == "broken"].set_index("snr_db")
-    assert broken.failures.to_dict() == {0.0: 300, 10.0: 3}
-    assert broken.trials.to_dict() == {0.0: 300, 10.0: 300}
-    assert np.isnan(broken.wrap_rate[0.0])
-    assert broken.wrap_rate[10.0] < 0.2
-    report.write(small, found, folder)
-    failures = pd.read_csv(folder / "failures.csv")
-    assert list(failures.block) == [0, 1, 2, 0, 1, 2]
-    assert list(failures["first"])[2:4] == ["trial 0: RuntimeError: too noisy", "trial 7: not a finite number"]
+    raised, nameless = (at_fault(small, bright) for bright in (True, False))
+    assert raised
+    assert nameless
+    failures = found.failures
+    assert (failures.estimator == "broken").all()
+    by_error = failures.assign(point=failures.snr.map({0.0: 0, 10.0: 1})).groupby("error")
+    for error, expected in (("RuntimeError: too bright", raised), ("not a finite number", nameless)):
+        rows = by_error.get_group(error)
+        assert list(zip(rows.point, rows.block, rows.trial, strict=True)) == expected
+    broken = found.table[found.table.estimator == "broken"]
+    assert broken.failures.sum() == len(raised) + len(nameless)
+    assert list(broken.trials) == [300, 300]
+    assert broken.failure_rate.iloc[0] == broken.failures.iloc[0] / 300
+    # Trials that did not fail are those of the estimator that does not.
+    good = found.table[found.table.estimator == "cross-correlation"]
+    assert np.all(broken.wrap_errors.to_numpy() <= good.wrap_errors.to_numpy())
+    report.write(with_broken, found, tmp_path)
+    assert len(pd.read_csv(tmp_path / "failures.csv")) == len(failures)
 
 
-def test_fail_fast_ends_at_the_first_failure_and_keeps_what_is_done(small, tmp_path, with_broken):
-    engine.run(small, Run(methods=("cross-correlation",), jobs=1), tmp_path)
-    with pytest.raises(ValueError, match=r"^broken 1x9 failed at .*0\.0.*, block 0, trial 0: RuntimeError: too noisy"):
-        engine.run(small, Run(jobs=1, backend="sequential", fail_fast=True), tmp_path)
-    store = engine.store_of(small, 2026, tmp_path)
-    assert all(store.read(task) for task in engine.tasks(small))
+def test_fail_fast_ends_at_the_first_failure_and_keeps_what_is_done(small, with_broken, plain, tmp_path, table_of):
+    table_of(small, PLAIN, tmp_path / "x")
+    with pytest.raises(ValueError, match=r"^broken 1x9 failed at .*, block \d, trial \d+: "):
+        engine.run(with_broken, Run(jobs=1, backend="sequential", fail_fast=True), tmp_path / "x")
+    pd.testing.assert_frame_equal(table_of(small, PLAIN, tmp_path / "x"), plain, check_exact=True)

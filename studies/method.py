@@ -1,0 +1,126 @@
+"""The estimators of a study: which classes, with which windows and options."""
+
+import hashlib
+import inspect
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib import import_module
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BeforeValidator, Field
+
+import estimators
+from estimators import Estimator, FixedWindow
+from studies.section import Section, suggestion
+from studies.world import World
+
+SHIPPED = tuple(
+    name for name in estimators.__all__ if hasattr(getattr(estimators, name), "estimate") and name != "Estimator"
+)
+"""Names of the estimator classes of this package."""
+
+
+def _size(value: Any) -> Any:
+    pair = isinstance(value, list | tuple) and len(value) == 2 and all(type(n) is int and n >= 1 for n in value)
+    if not (pair or value == "record"):
+        raise ValueError("it must be 'record' or [rows, samples], both whole numbers of at least 1")
+    return tuple(value) if pair else value
+
+
+Size = Annotated[Literal["record"] | tuple[int, int], BeforeValidator(_size)]
+Option = bool | int | float | str
+
+
+class EstimatorSection(Section):
+    """One estimator with its windows.
+
+    Parameters
+    ----------
+    name
+        What the tables call it.
+    method
+        A class of `estimators`, or `module:object` of one's own: anything that is called with a window and the options
+        and gives an estimator. If it takes `rng`, it gets a random generator of its own.
+    windows
+        Each [rows, samples], or "record" for all of a patch's record; it is tried with every one of them.
+    options
+        What else it is called with.
+    """
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9 ._+-]*$")]
+    method: str
+    windows: Annotated[tuple[Size, ...], Field(min_length=1)] = ("record",)
+    options: Mapping[str, Option] = {}
+
+
+@dataclass(frozen=True)
+class Method:
+    """An estimator of a study with one of its windows."""
+
+    section: EstimatorSection
+    window: FixedWindow
+
+    @property
+    def labels(self) -> tuple[str, str]:
+        """Name and window: what tells it from the others of the study."""
+        return self.section.name, str(self.window)
+
+    def stream(self) -> int:
+        """Number of the stream of random numbers that it may draw from; the echoes have 0."""
+        digest = hashlib.sha256("\n".join(self.labels).encode()).digest()
+        return int.from_bytes(digest[:4], "big") | 1
+
+    def build(self, rng: np.random.Generator) -> Estimator:
+        """The estimator; ValueError where it cannot be made so."""
+        make = _found(self.section.method)
+        given: dict[str, Any] = dict(self.section.options)
+        takes = _parameters(make)
+        if takes is not None:
+            unknown = [option for option in given if option not in takes]
+            if unknown:
+                known = suggestion(unknown[0], [name for name in takes if name not in ("window", "rng")])
+                raise ValueError(f"option {unknown[0]} is not one of {self.section.method}; it must be {known}")
+            if "rng" in takes:
+                given["rng"] = rng
+        try:
+            made = make(self.window, **given)
+        except TypeError as error:
+            raise ValueError(f"{self.section.method} cannot be made with a window and {given}: {error}") from None
+        if not isinstance(made, Estimator):
+            raise ValueError(f"{self.section.method} gives {made!r}; it must have a method estimate(pair)")
+        return made
+
+
+def methods_of(sections: tuple[EstimatorSection, ...], world: World) -> list[Method]:
+    """Every estimator with each of its windows, for a world that says how long a record is."""
+    return [
+        Method(section, FixedWindow(*(world.record() if size == "record" else size)))
+        for section in sections
+        for size in section.windows
+    ]
+
+
+@lru_cache
+def _found(name: str) -> Any:
+    module, separator, attribute = name.partition(":")
+    if not separator:
+        if name not in SHIPPED:
+            raise ValueError(f"method is {name!r}; it must be module:object, or {suggestion(name, SHIPPED)}")
+        return getattr(estimators, name)
+    try:
+        return getattr(import_module(module), attribute)
+    except (ImportError, AttributeError) as error:
+        raise ValueError(f"method is {name!r}; it must be an object that can be imported: {error}") from None
+
+
+def _parameters(make: Any) -> list[str] | None:
+    """Names of what it can be called with; None where it takes anything."""
+    try:
+        parameters = inspect.signature(make).parameters.values()
+    except (TypeError, ValueError):
+        return None
+    if any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters):
+        return None
+    return [parameter.name for parameter in parameters]

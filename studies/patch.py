@@ -1,0 +1,89 @@
+"""Homogeneous patches of speckle, as a study asks for them."""
+
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from estimators import DelayEstimate, FixedWindow, bounds
+from sim import EchoPair, Sonar, speckle_pair
+from sim.band import Real
+from studies.quantity import Decibels, Wraps
+from studies.section import Section
+from studies.world import Reading
+
+
+class Patch(Section):
+    """One coherence and delay everywhere; a trial is a periodic record of as many independent samples as looks.
+
+    Parameters
+    ----------
+    looks
+        Independent looks in the record, at least 3.
+    snr
+        Signal-to-noise ratio of either receiver [dB]; inf for none. Gives the coherence `rho / (1 + rho)`.
+    coherence
+        The coherence itself, 0 to 1; either this or `snr`.
+    delay
+        The true delay of each trial is drawn evenly within so many wraps to either side of zero.
+    """
+
+    looks: Annotated[int, Field(ge=3)]
+    snr: Decibels | None = None
+    coherence: Annotated[float, Field(ge=0, le=1)] | None = None
+    delay: Annotated[Wraps, Field(ge=0)] = 0.5
+
+    @model_validator(mode="after")
+    def _one_level(self) -> Self:
+        if (self.snr is None) == (self.coherence is None):
+            raise ValueError("snr and coherence are both given or both missing; it must be one of them")
+        return self
+
+    @property
+    def true_coherence(self) -> float:
+        """Coherence of the two series."""
+        if self.coherence is not None:
+            return self.coherence
+        assert self.snr is not None
+        return 1 / (1 + 10 ** (-self.snr / 10))
+
+    @property
+    def snr_db(self) -> float:
+        """Signal-to-noise ratio of either receiver [dB]; that which gives the coherence where that is stated."""
+        if self.snr is not None:
+            return self.snr
+        with np.errstate(divide="ignore"):
+            return float(10 * np.log10(bounds.snr_from_coherence(self.true_coherence)))
+
+    def record(self) -> tuple[int, int]:
+        """Rows and samples of the window that holds one trial."""
+        return 1, self.looks
+
+    def check(self, sonar: Sonar) -> None:
+        """Any sonar will do."""
+
+    def shape(self, sonar: Sonar, trials: int) -> tuple[int, int]:
+        """One record a trial."""
+        return trials, self.looks
+
+    def simulate(self, sonar: Sonar, trials: int, rng: np.random.Generator) -> EchoPair:
+        """Critically sampled records, one a row."""
+        return speckle_pair(
+            (trials, self.looks),
+            coherence=self.true_coherence,
+            delay=rng.uniform(-self.delay, self.delay, trials) * sonar.wrap,
+            centre_frequency=sonar.centre_frequency,
+            bandwidth=sonar.bandwidth,
+            sample_rate=sonar.bandwidth,
+            rng=rng,
+        )
+
+    def read(self, pair: EchoPair, window: FixedWindow, estimate: DelayEstimate) -> list[Reading]:
+        """Estimates whose windows do not overlap: one a record where the window is the record."""
+        assert pair.truth is not None
+        apart = slice(None, None, window.samples)
+        return [Reading("", estimate.delay[:, apart] - pair.truth.delay, slice(None), apart)]
+
+    def traces(self, pair: EchoPair) -> dict[str, Real]:
+        """None: all records are alike."""
+        return {}
