@@ -5,6 +5,7 @@ import heapq
 import json
 import os
 import re
+from array import array
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -52,6 +53,8 @@ KEY = b"twinecho"
 ROWS = 1024
 """Rows that are read, checked or written at a time."""
 
+_LISTS = tuple(field.name for field in SCHEMA if pa.types.is_list(field.type))
+_SCALARS = tuple(name for name in SCHEMA.names if name not in (*_LISTS, "digest"))
 _UPPER = np.triu_indices(len(QUANTITIES))
 _NAME = re.compile(r"([0-9a-f]{16})-(\d+)(?:-(\d+))?\.parquet")
 
@@ -178,8 +181,9 @@ class Store:
         schema = SCHEMA.with_metadata({KEY: identity})
         with _replacing(path) as beside, pq.ParquetWriter(beside.path, schema) as writer:
             for chunk in _chunks(rows):
-                plain = [_signed(_plain(row), identity) for row in chunk]
-                writer.write_table(pa.Table.from_pylist(plain, schema))
+                plain = [_plain(row) for row in chunk]
+                signed = [{**row, "digest": _digest(row, identity)} for row in plain]
+                writer.write_table(pa.Table.from_pylist(signed, schema))
 
     def _rows(self, point: Point, path: Path) -> Iterator[Stored]:
         """The good rows of a file, in the order of their blocks."""
@@ -190,7 +194,7 @@ class Store:
                     return
                 for batch in file.iter_batches(ROWS):
                     for plain in batch.to_pylist():
-                        if plain["digest"] == _signed(plain, identity)["digest"]:
+                        if plain["digest"] == _digest(plain, identity):
                             yield _stored(plain)
         except (OSError, UnicodeDecodeError, pa.ArrowException):
             return
@@ -224,11 +228,13 @@ def _chunks(rows: Iterable[Stored]) -> Iterator[list[Stored]]:
         yield chunk
 
 
-def _signed(plain: Mapping[str, Any], identity: bytes) -> dict[str, Any]:
-    """A row with the digest of its other columns and of the file's identity."""
-    unsigned = {name: plain[name] for name in SCHEMA.names if name != "digest"}
-    digest = hashlib.sha256(identity + json.dumps(unsigned).encode()).hexdigest()[:32]
-    return {**unsigned, "digest": digest}
+def _digest(plain: Mapping[str, Any], identity: bytes) -> str:
+    """Of a row's other columns and of the file's identity."""
+    scalars = [plain[name] for name in _SCALARS]
+    found = hashlib.sha256(identity + json.dumps(scalars).encode())
+    for name in _LISTS:
+        found.update(array("d", plain[name]).tobytes())
+    return found.hexdigest()[:32]
 
 
 def _plain(row: Stored) -> dict[str, Any]:

@@ -38,7 +38,9 @@ class Comparison:
         if labels != self.labels:
             return
         most = max(groups)
-        sums = np.concatenate([np.pad(m.batches, ((0, most - len(m.batches)), (0, 0))) for m in measurements], axis=1)
+        sums = np.zeros((most, self.totals.size))
+        for place, m in enumerate(measurements):
+            sums[: len(m.batches), len(PAIRED) * place : len(PAIRED) * (place + 1)] = m.batches
         self.groups += most
         self.totals = self.totals + sums.sum(axis=0)
         self.products = self.products + sums.T @ sums
