@@ -1,1 +1,7 @@
 """Questions: sweeps, tables, plots, the command line."""
+
+from studies.engine import Run, Share, run, store_of
+from studies.report import Result, result, write
+from studies.study import Study, load
+
+__all__ = ["Result", "Run", "Share", "Study", "load", "result", "run", "store_of", "write"]

@@ -214,6 +214,9 @@ def _report(folder: Path) -> None:
     console.print(f"\n{study.name}: {study.question}", soft_wrap=True)
     short = report.summary(study, found)
     console.print(short.to_string(index=False, float_format="{:.3g}".format), soft_wrap=True)
+    said = report.answer(study, found)
+    if said:
+        console.print(said, soft_wrap=True)
     for text in found.warnings:
         print(f"twinecho: warning: {text}", file=sys.stderr)
     for path in paths:

@@ -1,7 +1,6 @@
 """What a study shows of its results: a short table, and figures of curves or by a function of one's own."""
 
 from collections.abc import Callable, Mapping, Sequence
-from importlib import import_module
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -12,6 +11,7 @@ from pydantic import Field, model_validator
 
 from sim.band import Real
 from studies import figures
+from studies.named import imported
 from studies.section import Section, suggestion
 
 Traces = Mapping[str, Real]
@@ -105,7 +105,8 @@ class FigureSection(Section):
     def drawn(self, table: pd.DataFrame, examples: Examples) -> Figure:
         """The figure; ValueError for a column that the table does not have."""
         if self.draw is not None:
-            return _function(self.draw)(table, examples)
+            draw: Draw = imported(self.draw, "draw")
+            return draw(table, examples)
         used = [self.x, self.y, self.low, self.high, self.error, self.line, self.down, self.across]
         _check_columns(f"figure {self.name}", [column for column in used if column], table)
         downs, acrosses = _values(table, self.down), _values(table, self.across)
@@ -174,12 +175,3 @@ def _check_columns(place: str, columns: Sequence[str], table: pd.DataFrame) -> N
     for column in columns:
         if column not in table.columns:
             raise ValueError(f"{place} has the column {column!r}; it must be {suggestion(column, table.columns)}")
-
-
-def _function(name: str) -> Draw:
-    module, _, attribute = name.partition(":")
-    try:
-        draw: Draw = getattr(import_module(module), attribute)
-    except (ImportError, AttributeError, ValueError) as error:
-        raise ValueError(f"draw is {name!r}; it must be module:function that can be imported: {error}") from None
-    return draw

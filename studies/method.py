@@ -4,8 +4,6 @@ import hashlib
 import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
-from importlib import import_module
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -13,6 +11,7 @@ from pydantic import BeforeValidator, Field
 
 import estimators
 from estimators import Estimator, FixedWindow
+from studies.named import imported
 from studies.section import Section, suggestion
 from studies.world import World
 
@@ -102,17 +101,12 @@ def methods_of(sections: tuple[EstimatorSection, ...], world: World) -> list[Met
     ]
 
 
-@lru_cache
 def _found(name: str) -> Any:
-    module, separator, attribute = name.partition(":")
-    if not separator:
-        if name not in SHIPPED:
-            raise ValueError(f"method is {name!r}; it must be module:object, or {suggestion(name, SHIPPED)}")
-        return getattr(estimators, name)
-    try:
-        return getattr(import_module(module), attribute)
-    except (ImportError, AttributeError) as error:
-        raise ValueError(f"method is {name!r}; it must be an object that can be imported: {error}") from None
+    if ":" in name:
+        return imported(name, "method")
+    if name not in SHIPPED:
+        raise ValueError(f"method is {name!r}; it must be module:object, or {suggestion(name, SHIPPED)}")
+    return getattr(estimators, name)
 
 
 def _parameters(make: Any) -> list[str] | None:

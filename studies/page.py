@@ -37,6 +37,7 @@ pre { overflow-x: auto; background: #f4f4f4; padding: 0.8rem; }
 <h1>$name</h1>
 <p>$question</p>
 $warnings
+<p><strong>$answer</strong></p>
 <h2>In short</h2>
 <div class="wide">$short</div>
 $figures
@@ -66,9 +67,14 @@ for (const table of document.querySelectorAll("table.sortable")) {
 
 
 def page(
-    study: Study, table: pd.DataFrame, warnings: Sequence[str], figures: Mapping[str, Figure], folder: Path
+    study: Study,
+    table: pd.DataFrame,
+    answer: str,
+    warnings: Sequence[str],
+    figures: Mapping[str, Figure],
+    folder: Path,
 ) -> str:
-    """A page with the question, a short table, the figures, all numbers, and how to get them again; no outside links.
+    """A page with question, answer, short table, figures, all numbers and how to get them again; no outside links.
 
     Parameters
     ----------
@@ -76,6 +82,8 @@ def page(
         The study.
     table
         Its table.
+    answer
+        What it says, in a sentence; may be empty.
     warnings
         What a reader must know of it.
     figures
@@ -94,6 +102,7 @@ def page(
     return PAGE.substitute(
         name=html.escape(study.name),
         question=html.escape(study.question),
+        answer=html.escape(answer),
         warnings="".join(f'<p class="warning">{html.escape(text)}</p>' for text in warnings),
         short=_table(study.summary.of(table)),
         figures="".join(_figure(name, figure) for name, figure in figures.items()),

@@ -1,5 +1,6 @@
 """What a run found: tables, figures and a page, from its block files alone."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from studies.comparison import Comparison
 from studies.design import Point, methods, points
 from studies.drawing import Examples
 from studies.measurement import Measurement
+from studies.named import imported
 from studies.page import page
 from studies.stopping import Standing, measured_blocks
 from studies.study import Study
@@ -138,8 +140,18 @@ def write(study: Study, found: Result, folder: Path) -> list[Path]:
         paths.append(folder / "figures" / f"{name}.png")
         figure.savefig(paths[-1], dpi=150)
     paths.append(folder / "report.html")
-    paths[-1].write_text(page(study, found.table, found.warnings, drawn, folder), encoding="utf-8")
+    paths[-1].write_text(
+        page(study, found.table, answer(study, found), found.warnings, drawn, folder), encoding="utf-8"
+    )
     return paths
+
+
+def answer(study: Study, found: Result) -> str:
+    """What the table says to the question, in a sentence; empty where the study has no words for it."""
+    if study.answer is None:
+        return ""
+    say: Callable[[pd.DataFrame], str] = imported(study.answer, "answer")
+    return say(found.table)
 
 
 def summary(study: Study, found: Result) -> pd.DataFrame:

@@ -84,6 +84,8 @@ class Study(Section):
         Further design points, one table of keys and values each.
     trials
         How many.
+    answer
+        `module:function` that says the answer in a sentence, from the table.
     summary, figures
         What is shown of the results.
     quick
@@ -99,6 +101,7 @@ class Study(Section):
     axes: tuple[Axis, ...] = ()
     points: tuple[Mapping[str, Any], ...] = ()
     trials: Trials
+    answer: str | None = None
     summary: SummarySection = SummarySection()
     figures: tuple[FigureSection, ...] = ()
     quick: Mapping[str, Any] = {}
