@@ -132,7 +132,8 @@ class FigureSection(Section):
             style = figures.LINES[number % len(figures.LINES)]
             panel.plot(rows[self.x], rows[self.line], color=colour, linewidth=1, linestyle=style)
         # Points of estimators stand a little beside each other, to keep their intervals apart.
-        x = rows[self.x] + (number - 1) * 0.006 * np.ptp(table[self.x])
+        finite = table[self.x][np.isfinite(table[self.x].astype(float))]
+        x = rows[self.x] + (number - 1) * 0.006 * (np.ptp(finite) if len(finite) else 0.0)
         floor = self.limits[0] if self.limits and self.scale == "log" else -np.inf
         low, high = self._interval(rows)
         panel.vlines(x, np.maximum(low, floor), np.maximum(high, floor), color=colour, linewidth=1)

@@ -157,9 +157,10 @@ class Study(Section):
                 return
         *path, last = key.split(".")
         known = model_at(Study, path).model_fields
-        if (path and path[0] not in Study.model_fields) or last not in known:
-            whole = ".".join([*path, "{}"])
-            names = [whole.format(name) for name in known]
+        absent = bool(path) and (path[0] not in Study.model_fields or getattr(self, path[0]) is None)
+        if absent or last not in known:
+            whole = ".".join([*([] if absent else path), "{}"])
+            names = [whole.format(name) for name in (Study.model_fields if absent else known)]
             raise ValueError(f"there is no {key!r} in {self.name}; it must be {suggestion(key, names)}")
         for step in path:
             tree = tree.setdefault(step, {})
