@@ -44,7 +44,7 @@ def structure_integral(log_parameter: Real, alpha: float) -> Real:
     trapezoidal rule then converges exponentially. Below p = 1, where the integral falls with p, `exp - 1` is
     integrated: the real part of `int H0(u) u du` is 0.
 
-    Relative accuracy against series summed to 25 digits or more: 1e-13 for alpha 0.2 to 0.95 and `ln p` of -25 to 25.
+    Relative accuracy, against series summed in high precision: 1e-12 for alpha 0.2 to 0.95 and all p.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def structure_integral(log_parameter: Real, alpha: float) -> Real:
 @lru_cache(maxsize=64)
 def _table(alpha: float) -> BSpline:
     """The integral over the range of the table as a spline of degree 7."""
-    points = np.linspace(LOWEST, HIGHEST, 251)
+    points = np.linspace(LOWEST, HIGHEST, 501)
     return make_interp_spline(points, structure_integral(points, alpha), k=7)
 
 
