@@ -103,8 +103,8 @@ class ElasticBed:
     def of_fluid(cls, bed: FluidBed) -> "ElasticBed":
         """The fluid `bed` without shear: its volume strength is `80 delta sigma2 / (pi ln 10)` at the exponent 3.
 
-        With this strength the perturbation volume scattering equals that of TR 9407 more than 5
-        degrees above the critical angle, to 0.1 dB; below, it is lower by `30 log10(nu cos th)`, 3.5 dB for very coarse sand at grazing incidence.
+        With this strength the perturbation volume scattering equals that of TR 9407 from 10
+        degrees above the critical angle, to 0.05 dB; below, it is lower by `30 log10(nu cos th)`, 3.5 dB for very coarse sand at grazing incidence.
         """
         return cls(
             density_ratio=bed.density_ratio,

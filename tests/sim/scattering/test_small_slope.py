@@ -86,10 +86,10 @@ def test_volume_of_a_fluid_is_that_of_the_handbook_above_the_critical_angle(name
     fluid, bed = SEDIMENTS[name].fluid, SEDIMENTS[name].solid
     nu = fluid.sound_speed_ratio
     critical = np.degrees(np.arccos(min(1 / nu, 1.0)))
-    for angle in np.arange(critical + 5, 90, 10.0):
+    for angle in np.arange(critical + 10, 90, 10.0):
         ratio = twin.fluid_volume(bed, angle) / twin.handbook_volume(fluid, angle)
-        assert 10 * np.log10(ratio) == pytest.approx(0.0, abs=0.1)
-    for angle in np.arange(1.0, critical - 5, 5.0):
+        assert 10 * np.log10(ratio) == pytest.approx(0.0, abs=0.05)
+    for angle in np.arange(1.0, critical - 10, 5.0):
         ratio = twin.fluid_volume(bed, angle) / twin.handbook_volume(fluid, angle)
         assert 10 * np.log10(ratio) == pytest.approx(-30 * np.log10(nu * np.cos(np.radians(angle))), abs=0.05)
 
