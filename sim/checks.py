@@ -1,6 +1,7 @@
 """One-line complaints about values that cannot be."""
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -42,6 +43,13 @@ def count(name: str, value: int, least: int = 1) -> int:
     if not whole or value < least:
         raise ValueError(f"{name} is {value!r}; it must be a whole number of at least {least}")
     return int(value)
+
+
+def one_of(name: str, value: object, allowed: Iterable[str]) -> None:
+    """ValueError unless `value` is one of the allowed words."""
+    words = tuple(allowed)
+    if value not in words:
+        raise ValueError(f"{name} is {value!r}; it must be {' or '.join(words)}")
 
 
 def generator(rng: object) -> np.random.Generator:

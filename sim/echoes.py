@@ -5,6 +5,7 @@ import numpy as np
 
 from sim.band import Band, Complex, Real, circular_gaussian
 from sim.geometry import travel_times
+from sim.levels import scatterer_power
 from sim.scene import Scene
 from sim.sonar import Sonar
 from sim.visibility import SeabedPoints, position, sees
@@ -36,28 +37,6 @@ def place_scatterers(scene: Scene, spacing: float, rng: np.random.Generator) -> 
     cell = np.arange(len(segment)) - np.repeat(np.cumsum(cells) - cells, cells)
     share = (cell + rng.random(len(segment))) / cells[segment]
     return SeabedPoints(segment, share), (lengths / cells)[segment]
-
-
-def level_of_floor(sonar: Sonar, points_time: Real, length: Real) -> Real:
-    """Mean power of scatterers so that the flat floor has unit mean power at every range.
-
-    A floor of ground range `y = sqrt(r^2 - H^2)` sends the echoes of a length `dy` within `dt = 2 (y / r) dy / c`;
-    a series of bandwidth `B` has unit power where the scatterers bring `B` a second. So `E|a|^2 = 2 B (y / r) dl / c`
-    for a length `dl` of seabed: the same strength per length whatever its slope.
-
-    Parameters
-    ----------
-    sonar
-        `B`, `H` and `c`.
-    points_time
-        Time of each scatterer at the primary [s].
-    length
-        Length of seabed that it stands for, `dl` [m].
-    """
-    slant = points_time * sonar.sound_speed / 2
-    cosine = np.sqrt(np.maximum(1 - (sonar.altitude / slant) ** 2, 0.0))
-    power: Real = 2 * sonar.bandwidth * cosine * length / sonar.sound_speed
-    return power
 
 
 def echo_spectrum(band: Band, centre_frequency: float, times: Real, amplitudes: Complex) -> Complex:
@@ -113,7 +92,7 @@ def scene_spectra(
     seen = sees(scene, points, sonar.altitude)
     points, length = SeabedPoints(points.segment[seen], points.share[seen]), length[seen]
     times = travel_times(sonar, *position(scene, points))
-    amplitudes = circular_gaussian((rows, len(length)), rng) * np.sqrt(level_of_floor(sonar, times[0], length))
+    amplitudes = circular_gaussian((rows, len(length)), rng) * np.sqrt(scatterer_power(scene, sonar, points, length))
     seen_above = sees(scene, points, sonar.altitude + sonar.baseline)
     primary = echo_spectrum(band, sonar.centre_frequency, times[0], amplitudes)
     secondary = echo_spectrum(band, sonar.centre_frequency, times[1], amplitudes * seen_above)

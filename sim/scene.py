@@ -3,12 +3,15 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Protocol
+from typing import Protocol, get_args
 
 import numpy as np
 
 from sim import checks
 from sim.band import Real
+from sim.catalogue import find
+from sim.scattering import Model
+from sim.sediment import Sediment
 
 
 class Feature(Protocol):
@@ -98,15 +101,22 @@ class Scene:
         Near and far end of the floor [m].
     features
         What stands on it, in any order.
+    sediment
+        What floor and features are made of, a sediment or the name of one in `SEDIMENTS`: levels then follow from the
+        sonar equation. None for a seabed without absolute level, that scatters alike at every angle.
+    scattering
+        The scattering model of the sediment; by default the one that paper B used.
 
     Raises
     ------
     ValueError
-        For ends out of order, and for features that overlap or reach beyond the floor.
+        For ends out of order, features that overlap or reach beyond the floor, and an unknown sediment or model.
     """
 
     ground_range: tuple[float, float]
     features: Sequence[Feature] = ()
+    sediment: Sediment | str | None = None
+    scattering: Model = "small-slope"
 
     def __post_init__(self) -> None:
         near, far = (checks.positive("ground_range", end, "m") for end in self.ground_range)
@@ -120,6 +130,9 @@ class Scene:
         for left, right in pairwise(ordered):
             if left.start + left.width > right.start:
                 raise ValueError(f"{left} and {right} overlap; features must stand side by side")
+        checks.one_of("scattering", self.scattering, get_args(Model))
+        if self.sediment is not None:
+            object.__setattr__(self, "sediment", find(self.sediment))
 
     @property
     def profile(self) -> Real:

@@ -4,10 +4,11 @@ import numpy as np
 import scipy.fft
 
 from sim import checks
-from sim.band import Band, TimeGrid
+from sim.band import Band, Complex, TimeGrid
 from sim.echo_pair import EchoPair
 from sim.echoes import scene_spectra
 from sim.geometry import Geometry, travel_times
+from sim.levels import range_gain
 from sim.registration import register
 from sim.scene import Scene
 from sim.sonar import Sonar
@@ -33,8 +34,12 @@ def simulate(
     """Simulate what both receivers hear of a scene, registered to the reference plane.
 
     Off-grid scatterers along the whole seabed, walls included, with shadow from transmitter and receivers, exact
-    delays, and band-limited noise that is added before registration. The seabed scatters alike everywhere, and the
-    flat floor has unit mean power at every range.
+    delays, and band-limited noise that is added before registration.
+
+    Where the scene has a sediment, the sonar equation says how strong its echoes are: noise has unit mean power in each
+    receiver, and the echoes the power that follows from range, beams, sediment and local grazing angle. Where it has
+    none, the seabed scatters alike everywhere, the flat floor has unit mean power at every range, and `snr` sets the
+    noise.
 
     Parameters
     ----------
@@ -43,7 +48,7 @@ def simulate(
     rng
         The only source of chance. The same seed gives the same speckle with and without noise.
     snr
-        Signal-to-noise ratio of the flat floor in each receiver [dB]; None for no noise.
+        For a scene without sediment: signal-to-noise ratio of the flat floor in each receiver [dB]; None for no noise.
     rows
         Rows along track, of independent speckle and noise.
     scatterers_per_resolution
@@ -58,10 +63,11 @@ def simulate(
     Raises
     ------
     ValueError
-        Where the sonar is not above the scene, or a number is outside its limits.
+        Where the sonar is not above the scene, a number is outside its limits, or `snr` is given with a sediment.
     """
     checks.generator(rng)
     checks.count("rows", rows)
+    amplitude = noise_amplitude(scene, snr)
     if checks.finite("scatterers_per_resolution", scatterers_per_resolution) < 1:
         raise ValueError(f"scatterers_per_resolution is {scatterers_per_resolution:g}; it must be at least 1")
     if sonar.altitude <= scene.highest:
@@ -70,15 +76,15 @@ def simulate(
         )
     grid = time_grid(scene, sonar)
     band = Band(grid, sonar.bandwidth)
-    primary, secondary = scene_spectra(scene, sonar, band, rows, scatterers_per_resolution, rng)
-    if snr is not None:
-        amplitude = 10 ** (-checks.finite("snr", snr, "dB") / 20)
-        primary += amplitude * band.noise(rows, rng)
-        secondary += amplitude * band.noise(rows, rng)
+    spectra = scene_spectra(scene, sonar, band, rows, scatterers_per_resolution, rng)
+    if scene.sediment is None:
+        primary, secondary = _with_noise(spectra, band, sonar, amplitude, rng)
+    else:
+        primary, secondary = _in_noise(spectra, band, sonar, rng)
     geometry = Geometry(sonar, grid.start)
     return EchoPair(
-        primary=band.series(primary),
-        secondary=register(secondary, band, sonar),
+        primary=primary,
+        secondary=secondary,
         sample_rate=grid.sample_rate,
         centre_frequency=sonar.centre_frequency,
         bandwidth=sonar.bandwidth,
@@ -86,6 +92,37 @@ def simulate(
         geometry=geometry,
         circular=True,
     )
+
+
+def _with_noise(
+    spectra: tuple[Complex, Complex], band: Band, sonar: Sonar, amplitude: float, rng: np.random.Generator
+) -> tuple[Complex, Complex]:
+    """Series of echoes as strong as they are, and noise of a given rms."""
+    primary, secondary = spectra
+    if amplitude > 0:
+        primary += amplitude * band.noise(len(primary), rng)
+        secondary += amplitude * band.noise(len(secondary), rng)
+    return band.series(primary), register(secondary, band, sonar)
+
+
+def _in_noise(
+    spectra: tuple[Complex, Complex], band: Band, sonar: Sonar, rng: np.random.Generator
+) -> tuple[Complex, Complex]:
+    """Series of echoes that lose strength on their way, and noise of unit power."""
+    gain = range_gain(sonar, band.grid.times)
+    rows = len(spectra[0])
+    primary = gain * band.series(spectra[0]) + band.series(band.noise(rows, rng))
+    secondary = gain * register(spectra[1], band, sonar) + register(band.noise(rows, rng), band, sonar)
+    return primary, secondary
+
+
+def noise_amplitude(scene: Scene, snr: float | None) -> float:
+    """Rms of the noise: 1 for a scene with a sediment, and for one without `10^(-snr / 20)`, or 0 where snr is None."""
+    if scene.sediment is not None:
+        if snr is not None:
+            raise ValueError(f"snr is {snr:g} dB; it must be left out for a scene whose sediment gives the levels")
+        return 1.0
+    return 0.0 if snr is None else float(10 ** (-checks.finite("snr", snr, "dB") / 20))
 
 
 def time_grid(scene: Scene, sonar: Sonar) -> TimeGrid:

@@ -1,10 +1,12 @@
 """The sonar: one transmitter, two receivers above each other, one frequency band."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 from sim import checks
+from sim.transducers import Noise, Receiver, SyntheticAperture, Transmitter
+from sim.water import Water
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,7 +27,11 @@ class Sonar:
     altitude
         Height of the primary receiver above the reference plane, `H` [m].
     sound_speed
-        Speed of sound, `c` [m/s].
+        Speed of sound, `c` [m/s]; `in_water` takes it from the water.
+    transmitter, receiver, aperture, noise
+        What the sonar equation needs besides; the defaults are assumptions (`sim.transducers`).
+    water
+        The water it stands in, which absorbs.
     assumed
         What is not published of this sonar and was assumed, in words.
 
@@ -40,6 +46,11 @@ class Sonar:
     baseline: float
     altitude: float
     sound_speed: float = 1500.0
+    transmitter: Transmitter = field(default_factory=Transmitter)
+    receiver: Receiver = field(default_factory=Receiver)
+    aperture: SyntheticAperture = field(default_factory=SyntheticAperture)
+    noise: Noise = field(default_factory=Noise)
+    water: Water = field(default_factory=Water)
     assumed: str = ""
 
     def __post_init__(self) -> None:
@@ -53,6 +64,10 @@ class Sonar:
                 f"bandwidth is {self.bandwidth:g} Hz; it must be below twice the centre frequency, "
                 f"{2 * self.centre_frequency:g} Hz"
             )
+
+    def in_water(self, water: Water) -> "Sonar":
+        """The same sonar in other water, with its absorption and its sound speed."""
+        return replace(self, water=water, sound_speed=water.sound_speed)
 
     @property
     def wavelength(self) -> float:
@@ -75,6 +90,15 @@ class Sonar:
         return self.sound_speed / (2 * self.bandwidth)
 
 
+NOT_PUBLISHED = (
+    "source level, pulse length, vertical beams, directivity, along-track resolution, phase centres and noise, none of "
+    "which is published"
+)
+"""Said of every preset: these are the defaults of `sim.transducers`."""
+
+TUNED_SOURCE_LEVEL = 191.3573
+"""Source level of `hisas-1032` [dB re 1 uPa at 1 m]: with the small-slope model coarse sand at 400 m gives -6.4 dB."""
+
 SONARS: Mapping[str, Sonar] = MappingProxyType(
     {
         "hisas-100khz": Sonar(
@@ -82,7 +106,7 @@ SONARS: Mapping[str, Sonar] = MappingProxyType(
             bandwidth=30e3,
             baseline=0.3,
             altitude=15.0,
-            assumed="sound speed 1500 m/s, from the 1.5 cm wavelength of paper A",
+            assumed="sound speed 1500 m/s, from the 1.5 cm wavelength of paper A; " + NOT_PUBLISHED,
         ),
         "hisas-1032": Sonar(
             centre_frequency=122e3,
@@ -90,7 +114,13 @@ SONARS: Mapping[str, Sonar] = MappingProxyType(
             baseline=0.3,
             altitude=42.0,
             sound_speed=1480.0,
-            assumed="bandwidth 30 kHz and sound speed 1480 m/s; paper B gives neither",
+            transmitter=Transmitter(source_level=TUNED_SOURCE_LEVEL),
+            water=Water(temperature=7.0, salinity=34.0, depth=160.0),
+            assumed="bandwidth 30 kHz and sound speed 1480 m/s, which paper B does not give; water of 7 deg C and "
+            "salinity 34 at 160 m, where sound goes 1480 m/s; "
+            + NOT_PUBLISHED
+            + ", but for the source level, which is "
+            "tuned, as in paper B, so that coarse sand at 400 m ground range gives its SNR, -6.4 dB",
         ),
     }
 )

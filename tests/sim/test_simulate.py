@@ -4,8 +4,9 @@ from scipy import stats
 
 from sim import SONARS, Box, Scene, Sonar, Wedge, simulate
 from sim.band import Band, circular_gaussian
-from sim.echoes import level_of_floor, place_scatterers, scene_spectra
+from sim.echoes import place_scatterers, scene_spectra
 from sim.geometry import plane_delay, travel_times
+from sim.levels import level_of_floor
 from sim.registration import register
 from sim.simulate import time_grid
 from sim.visibility import SeabedPoints, position, sees
