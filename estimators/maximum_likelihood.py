@@ -20,15 +20,15 @@ class MaximumLikelihood:
     series with one coherence over the band (Knapp and Carter 1976, with the carrier kept). It tells the wrap as the
     cross-correlation does, and within the wrap it reaches the coherent bound with fewer looks.
 
-    The search visits every wrap, so that its cost grows with `fc / B`. Wraps whose peaks differ by less than 6e-4 of
-    their height may be taken for each other.
+    The search visits every wrap, so that its cost grows with `fc / B`. Its peaks are off the definition by what the
+    polynomial through the lag products is, at most 6e-5 of the height with four lags in `1 / B`.
 
     Parameters
     ----------
     window
         What to average over.
     search
-        Largest delay to look for [s]; `1 / B` where None. A peak less than a wrap beyond it that is higher than all
+        Largest delay to look for [s]; `1 / B` where None. A peak up to a wrap beyond it that is higher than all
         within is not valid.
     lags_per_resolution
         Lags in `1 / B` between which the correlation is interpolated, at least 4.
@@ -49,7 +49,7 @@ class MaximumLikelihood:
             self.window,
             search,
             self.lags_per_resolution,
-            1.0,
+            2.0,
             lambda stack, _: passband_peak(stack, pair.centre_frequency, pair.bandwidth, search),
         )
         # The delay stands as found: at the passband peak the phase of the lag product need not be that of the carrier.

@@ -15,8 +15,7 @@ STENCIL = 4
 lags per `1 / B` the polynomial of degree 8 follows the band's edge to 6e-5 of its amplitude half-way between lags."""
 
 SAMPLES_PER_CARRIER = 16
-"""Delays in a period of the highest frequency at which the passband correlation is searched. The parabola through
-three of them misses the height of a peak by at most 6e-4 of it."""
+"""Delays in a period of the highest frequency at which the passband correlation is searched."""
 
 Index = NDArray[np.intp]
 Ascent = Callable[[Real, Complex, Complex, Complex], tuple[Real, Real]]
@@ -101,7 +100,7 @@ def passband_peak(stack: LagStack, centre_frequency: float, bandwidth: float, se
     Parameters
     ----------
     stack
-        Lag products, at least a wrap and `STENCIL + 1` lags longer than the search range on either side.
+        Lag products, at least two wraps and `STENCIL` lags longer than the search range on either side.
     centre_frequency, bandwidth
         `fc` and `B` [Hz].
     search
@@ -122,33 +121,42 @@ def passband_peak(stack: LagStack, centre_frequency: float, bandwidth: float, se
 
 
 def _highest_of_periods(stack: LagStack, centre_frequency: float, bandwidth: float, limit: float) -> Real:
-    """Delay of the highest candidate up to `limit` on either side, off the peak by less than half a sample."""
+    """Delay of the highest candidate up to `limit` on either side."""
     lags = stack.products.reshape(len(stack.products), -1)
     fine = int(np.ceil(SAMPLES_PER_CARRIER * (centre_frequency + bandwidth / 2) * stack.step))
-    last = int(np.ceil(limit / stack.step * fine))
+    # An odd number, with a sample more on either side: receivers swapped give the same samples.
+    half = SAMPLES_PER_CARRIER // 2 - 1
+    period = np.arange(-half - 1, half + 2)
+    last = int(np.ceil(limit / stack.step * fine / (2 * half + 1)))
     highest, delay = np.full(lags.shape[1], -np.inf), np.zeros(lags.shape[1])
-    for first in range(-last, last + 1, SAMPLES_PER_CARRIER):
-        # In lags, with a sample more on either side.
-        at = np.arange(first - 1, min(first + SAMPLES_PER_CARRIER, last + 1) + 1) / fine
-        middle = int(np.rint(at.mean()))
+    for centre in (2 * half + 1) * np.arange(-last, last + 1):
+        # In lags.
+        at = (centre + period) / fine
+        middle = int(np.rint(centre / fine))
         weights = np.vander(at - middle, len(_OFFSETS), increasing=True) @ _COEFFICIENTS
         turned = np.exp(2j * np.pi * centre_frequency * stack.step * at)[:, None] * weights
         around = lags[stack.reach + middle - STENCIL :][: len(_OFFSETS)]
-        height, place = _parabola_top(turned.real @ around.real - turned.imag @ around.imag)
-        better = height > highest
+        height, place = _crest(turned.real @ around.real - turned.imag @ around.imag)
+        found = (at[0] + place / fine) * stack.step
+        better = (height > highest) & (np.abs(found) <= limit)
         highest[better] = height[better]
-        delay[better] = (at[0] + place[better] / fine) * stack.step
+        delay[better] = found[better]
     return delay.reshape(stack.products.shape[1:])
 
 
-def _parabola_top(values: Real) -> tuple[Real, Real]:
-    """Height and place of the highest inner sample, moved to the top of the parabola through it; from (sample, n)."""
+def _crest(values: Real) -> tuple[Real, Real]:
+    """Height and place of the highest inner sample, moved to the crest of the sinusoid through it; from (sample, n).
+
+    Three samples fix amplitude, phase and frequency: `cos w = (before + after) / (2 here)`.
+    """
     index = values[1:-1].argmax(axis=0) + 1
     before, here, after = (np.take_along_axis(values, index[None] + step, axis=0)[0] for step in (-1, 0, 1))
-    rise, bend = (after - before) / 2, 2 * here - before - after
-    is_top = (here >= before) & (here >= after) & (bend > 0)
-    share = np.divide(rise, bend, out=np.zeros_like(rise), where=is_top)
-    return here + share * rise / 2, index + share
+    is_top = (here > before) & (here >= after) & (before + after > 0)
+    cosine = np.divide(before + after, 2 * here, out=np.zeros_like(here), where=is_top)
+    sine = np.sqrt((1 - cosine) * (1 + cosine))
+    quadrature = np.where(is_top, (after - before) / (2 * sine), 0.0)
+    share = np.where(is_top, np.arctan2(quadrature, here) / np.arcsin(sine), 0.0)
+    return np.where(is_top, np.hypot(here, quadrature), here), index + share
 
 
 def moved_to(peak: Peak, stack: LagStack, delay: Real) -> Peak:
