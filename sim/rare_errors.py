@@ -1,19 +1,31 @@
-"""What an estimator may take for the truth: the rivals that rare errors come from."""
+"""Kinds of rare error: by how much an estimator prefers the truth to what it may take for it, its rivals.
+
+With the cross spectrum `X_k = P_k* S_k exp(2 pi i (fc + f_k) tau)`, of which the coherence is the mean, an error comes
+near where `T = sum_k Re{v_k X_k}` is negative for some rival. For one that differs from the truth by the phase
+`phi_k` in Fourier bin k, T is the difference of their log-likelihoods up to a factor, and `v_k = 1 - exp(-i phi_k)`.
+"""
 
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from sim import checks
-from sim.band import Band, Real
+from sim.band import Band, Complex, Real
 
 
 class RareErrors(Protocol):
-    """A kind of error, as the rivals of the true delay that it stands for."""
+    """A kind of error."""
 
-    def turns(self, band: Band, centre_frequency: float) -> Real:
-        """Phases by which each rival differs from the truth in each Fourier bin [rad], shape (rival, bin)."""
+    def preferences(self, band: Band, centre_frequency: float, coherence: float) -> Complex:
+        """`v` of each rival in each Fourier bin, shape (rival, bin), with `sum_k Re{v_k} >= 0`."""
+
+
+def preference(turns: Real) -> Complex:
+    """`1 - exp(-i phi)` without cancellation."""
+    over: Complex = 2 * np.sin(turns / 2) * np.exp(0.5j * (np.pi - turns))
+    return over
 
 
 @dataclass(frozen=True)
@@ -39,12 +51,12 @@ class DelayErrors:
         checks.count("wraps", self.wraps)
         checks.count("frequencies", self.frequencies)
 
-    def turns(self, band: Band, centre_frequency: float) -> Real:
-        """As `RareErrors.turns`."""
+    def preferences(self, band: Band, centre_frequency: float, coherence: float) -> Complex:
+        """As `RareErrors.preferences`."""
         bins = band.frequencies
         agreeing = bins if bins.size <= self.frequencies else np.linspace(bins[0], bins[-1], self.frequencies)
         once = 2 * np.pi / centre_frequency * (bins - agreeing[:, None])
-        return np.concatenate([m * once for m in range(-self.wraps, self.wraps + 1) if m != 0])
+        return preference(np.concatenate([m * once for m in range(-self.wraps, self.wraps + 1) if m != 0]))
 
 
 @dataclass(frozen=True)
@@ -70,24 +82,26 @@ class SubBandErrors:
             checks.positive("sub_bandwidth", self.sub_bandwidth, "Hz")
         checks.count("divisions", self.divisions)
 
-    def turns(self, band: Band, centre_frequency: float) -> Real:
-        """As `RareErrors.turns`; ValueError where the sub-bands overlap."""
+    def preferences(self, band: Band, centre_frequency: float, coherence: float) -> Complex:
+        """As `RareErrors.preferences`; ValueError where the sub-bands overlap."""
         width = band.bandwidth / 3 if self.sub_bandwidth is None else self.sub_bandwidth
         checks.within("sub_bandwidth", width, 0.0, band.bandwidth / 2, "Hz")
         side = np.sign(band.frequencies) * (np.abs(band.frequencies) > band.bandwidth / 2 - width)
         most = np.pi * (band.bandwidth - width) / centre_frequency
         common = np.linspace(-most, most, self.divisions)[:, None]
         upward = side * most + np.abs(side) * common
-        return np.concatenate([upward, -upward])
+        return preference(np.concatenate([upward, -upward]))
 
 
 @dataclass(frozen=True)
 class PhaseErrors:
-    """An interferometric phase carried over the edge of the cycle by noise: interferogram.
+    """An interferometric phase carried over the edge of the cycle: interferogram.
 
-    The noise has to turn the phase by `b = pi - 2 pi fc |delay|`, and to do so in all bins, whose phases the delay has
-    spread: the rival differs by `-+2 (b -+ 2 pi f delay)`, upper signs for a positive delay. Where `b` is above a
-    quarter of a turn, noise has to cancel the echo whatever the edge, and `b` is a quarter.
+    The sum of the cross spectrum errs on the far side of a line through zero, whose normal points
+    `beta_k = b + 2 pi f_k |delay|` from the truth in bin k, `b = 2 pi fc |delay| - pi / 2`; up to a quarter of a wrap
+    noise has to cancel the echo wherever the edge is, and b is zero. So `v_k = 2 x exp(-i beta_k)`, with the x that
+    makes the probability bound `M` of `rare_speckle_pair` least: the saddle point. Bins whose own phase lies over
+    the edge brighten, as then speckle errs without noise.
 
     Parameters
     ----------
@@ -100,10 +114,16 @@ class PhaseErrors:
     def __post_init__(self) -> None:
         checks.finite("delay", self.delay, "s")
 
-    def turns(self, band: Band, centre_frequency: float) -> Real:
-        """As `RareErrors.turns`; ValueError for a delay beyond half a wrap."""
+    def preferences(self, band: Band, centre_frequency: float, coherence: float) -> Complex:
+        """As `RareErrors.preferences`; ValueError for a delay beyond half a wrap."""
         half_wrap = 0.5 / centre_frequency
-        delay = checks.within("delay", self.delay, -half_wrap, half_wrap, "s")
-        to_edge = min(np.pi * (1 - abs(delay) / half_wrap), np.pi / 2)
-        turn: Real = 2 * (2 * np.pi * delay * band.frequencies - np.copysign(to_edge, delay))
-        return turn[None]
+        delay = abs(checks.within("delay", self.delay, -half_wrap, half_wrap, "s"))
+        beta = max(2 * np.pi * centre_frequency * delay - np.pi / 2, 0.0) + 2 * np.pi * band.frequencies * delay
+        strength = coherence**2 / ((1 - coherence) * (1 + coherence))
+        # Beyond, nothing is left of a bin; the saddle point is a mean of the cosines.
+        most = min(1.0, float(np.min(np.cos(beta) + np.sqrt(np.cos(beta) ** 2 + 1 / max(strength, 1e-300)))))
+        best = minimize_scalar(
+            lambda x: -np.log1p(strength * x * (2 * np.cos(beta) - x)).sum(), bounds=(0.0, most), method="bounded"
+        )
+        preferences: Complex = 2 * float(best.x) * np.exp(-1j * np.copysign(1.0, self.delay) * beta)[None]
+        return preferences

@@ -30,24 +30,25 @@ def rare_speckle_pair(
 ) -> EchoPair:
     """Speckle as of `speckle_pair`, drawn so that rare errors are frequent: importance sampling.
 
-    A share `a` of the rows, `plain_share`, is drawn as in nature. Every other row is drawn half-way between the truth
-    and a rival that differs from it by the phase `phi_k` in Fourier bin `k`: with half the precision (inverse
-    covariance) of each, which is the saddle point of the probability that the rival is the more likely of the two.
-    In closed form the primary fades by `F_k`, the secondary follows it less closely, and the noise stays:
+    A share `a` of the rows, `plain_share`, is drawn as in nature. Every other row is drawn so that the truth and a
+    rival are equally likely: the density is tilted by `exp(-s T)`, with `T = sum_k Re{v_k X_k}` the preference for the
+    truth over the rival (`sim.rare_errors`), `X_k = P_k* S_k exp(2 pi i (fc + f_k) tau)` the cross spectrum of spectra
+    of unit power, and `s = gamma / (1 - gamma^2)`. For rivals that differ by phases, `v_k = 1 - exp(-i phi_k)`, this
+    takes half the precision (inverse covariance) of the truth and half of the rival's; it is the saddle point of the
+    probability that the rival is the more likely. In closed form the primary fades by `F_k`, the secondary follows it
+    less closely, and the noise stays:
 
-        S_k = (gamma cos(phi_k / 2) exp(i phi_k / 2) P_k + sqrt(1 - gamma^2) W_k) exp(-2 pi i (fc + f_k) tau),
-        |P_k|^2 ~ F_k = 1 / (1 + q sin^2(phi_k / 2)),    q = gamma^2 / (1 - gamma^2).
+        S_k = (gamma (1 - v_k* / 2) P_k + sqrt(1 - gamma^2) W_k) exp(-2 pi i (fc + f_k) tau),
+        |P_k|^2 ~ F_k = 1 / (1 + q (Re v_k - |v_k|^2 / 4)),    q = gamma^2 / (1 - gamma^2).
 
-    Rivals of a kind are drawn in proportion to their Bhattacharyya coefficients `M = prod_k F_k`, which bound the
-    probabilities of their errors, and each of the `n` kinds as often as the others. With
-    `T = sum_k Re{P_k* S_k exp(2 pi i (fc + f_k) tau) (1 - exp(-i phi_k))}`, spectra of unit power, negative where the
-    rival is the more likely, and `s = gamma / (1 - gamma^2)`, a row is by
+    By `M = prod_k F_k`, the mean of `exp(-s T)` in nature, the rival wins with at most that probability (Chernoff).
+    Rivals of a kind are drawn in proportion to their M, each of the n kinds as often as the others, and a row is by
 
         w = 1 / (a + (1 - a) / n  sum_kinds (sum_rivals exp(-s T)) / (sum_rivals M))
 
     more likely in nature than drawn here. So `w <= 1 / a` everywhere (a defensive mixture, Owen and Zhou 2000), and
-    `w <= n sum(M) / (1 - a)` wherever any rival of the kind wins. The rate of any error is the mean of `w * wrong` over
-    the rows, without bias, its standard error that of a mean; the effective number of errors seen is
+    `w <= n sum(M) / (1 - a)` wherever any rival of a kind wins. The rate of any error is the mean of `w * wrong` over
+    the rows, without bias, and its standard error that of a mean; the effective number of errors seen is
     `sum(w * wrong)^2 / sum((w * wrong)^2)`.
 
     It is efficient for estimates from the whole record of a row. Those of short windows, which hold few of the bins,
@@ -83,65 +84,60 @@ def rare_speckle_pair(
         raise ValueError("errors is empty; it must name at least one kind of error")
     patch = Patch(shape, delay, centre_frequency, bandwidth, sample_rate)
     checks.generator(rng)
-    rivals = Rivals.of(errors, patch.band, centre_frequency, coherence)
-    primary, secondary = rivals.draw(patch, coherence, plain_share, rng)
-    ratio = rivals.likelihood_ratio(patch.band, primary, secondary, coherence, plain_share)
+    preferences = [kind.preferences(patch.band, centre_frequency, coherence) for kind in errors]
+    rivals = Rivals.of(preferences, coherence)
+    primary, secondary = rivals.draw(patch, plain_share, rng)
+    ratio = rivals.likelihood_ratio(patch.band, primary, secondary, plain_share)
     return patch.pair(primary, secondary, ratio)
 
 
 class Rivals(NamedTuple):
-    """All rivals of the truth.
+    """All rivals of the truth at one coherence.
 
     Attributes
     ----------
-    turns
-        `phi`, shape (rival, bin) [rad].
-    fading
-        `F`, same shape.
+    coherence
+        `gamma`.
+    preferences, fading
+        `v` and `F`, shape (rival, bin).
     log_total
         Logarithm of the number of kinds times the sum of `M` over the rivals of the same kind, shape (rival,).
     """
 
-    turns: Real
+    coherence: float
+    preferences: Complex
     fading: Real
     log_total: Real
 
     @classmethod
-    def of(cls, errors: Sequence[RareErrors], band: Band, centre_frequency: float, coherence: float) -> "Rivals":
-        """The rivals of some kinds of error."""
-        kinds = [kind.turns(band, centre_frequency) for kind in errors]
-        turns = np.concatenate(kinds)
+    def of(cls, kinds: Sequence[Complex], coherence: float) -> "Rivals":
+        """The rivals of several kinds of error, from the preferences of each."""
+        v = np.concatenate(kinds)
         strength = coherence**2 / ((1 - coherence) * (1 + coherence))
-        fading = 1 / (1 + strength * np.sin(turns / 2) ** 2)
-        ends = np.cumsum([len(kind) for kind in kinds])
-        totals = [logsumexp(np.log(part).sum(axis=1)) for part in np.split(fading, ends[:-1])]
-        log_total = np.log(len(kinds)) + np.repeat(totals, [len(kind) for kind in kinds])
-        return cls(turns, fading, log_total)
+        fading = 1 / (1 + strength * (v.real - (v.real**2 + v.imag**2) / 4))
+        sizes = [len(kind) for kind in kinds]
+        log_m = np.split(np.log(fading).sum(axis=1), np.cumsum(sizes)[:-1])
+        log_total = np.log(len(kinds)) + np.repeat([logsumexp(part) for part in log_m], sizes)
+        return cls(coherence, v, fading, log_total)
 
-    def draw(
-        self, patch: Patch, coherence: float, plain_share: float, rng: np.random.Generator
-    ) -> tuple[Complex, Complex]:
+    def draw(self, patch: Patch, plain_share: float, rng: np.random.Generator) -> tuple[Complex, Complex]:
         """Spectra of primary and secondary without their delay, each row plain or half-way to some rival."""
         shares = (1 - plain_share) * np.exp(np.log(self.fading).sum(axis=1) - self.log_total)
         rival = rng.choice(len(shares) + 1, size=patch.rows, p=np.append(shares, plain_share))
-        plain = np.ones((1, self.turns.shape[1]))
+        plain = np.ones((1, self.fading.shape[1]))
         amplitude = np.concatenate([np.sqrt(self.fading), plain])
-        followed = coherence * np.concatenate([np.cos(self.turns / 2) * np.exp(0.5j * self.turns), plain])
+        followed = self.coherence * np.concatenate([1 - self.preferences.conj() / 2, plain])
         primary = amplitude[rival] * patch.band.noise(patch.rows, rng)
         secondary = followed[rival] * primary
-        secondary += np.sqrt((1 - coherence) * (1 + coherence)) * patch.band.noise(patch.rows, rng)
+        secondary += np.sqrt((1 - self.coherence) * (1 + self.coherence)) * patch.band.noise(patch.rows, rng)
         return primary, secondary
 
-    def likelihood_ratio(
-        self, band: Band, primary: Complex, secondary: Complex, coherence: float, plain_share: float
-    ) -> Real:
+    def likelihood_ratio(self, band: Band, primary: Complex, secondary: Complex, plain_share: float) -> Real:
         """Likelihood of each row in nature over that with which it was drawn, shape (rows,)."""
         cross = primary.conj() * secondary
         cross *= band.weights.sum() / band.weights
-        # 1 - exp(i phi) without cancellation.
-        differing = 2 * np.sin(self.turns / 2) * np.exp(0.5j * (self.turns - np.pi))
-        worse = cross.real @ differing.real.T + cross.imag @ differing.imag.T
-        tilt = coherence / ((1 - coherence) * (1 + coherence))
-        log_share = np.log1p(-plain_share) + logsumexp(-tilt * worse - self.log_total, axis=1)
-        ratio: Real = 1 / (plain_share + np.exp(np.minimum(log_share, 700.0)))
+        preferred = cross.real @ self.preferences.real.T - cross.imag @ self.preferences.imag.T
+        tilt = self.coherence / ((1 - self.coherence) * (1 + self.coherence))
+        log_density = np.log1p(-plain_share) + logsumexp(-tilt * preferred - self.log_total, axis=1)
+        ratio: Real = 1 / (plain_share + np.exp(np.minimum(log_density, 700.0)))
         return ratio
