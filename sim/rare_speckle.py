@@ -51,10 +51,13 @@ def rare_speckle_pair(
     the rows, without bias, and its standard error that of a mean; the effective number of errors seen is
     `sum(w * wrong)^2 / sum((w * wrong)^2)`.
 
-    It is efficient for estimates from the whole record of a row. Those of short windows, which hold few of the bins,
-    gain less, and windows of several rows have no ratio here. 20,000 rows gave rates from 1e-6 to 1e-10 within 2 to 6 %
-    (standard error) for 9 to 243 looks, B / fc from .1 to .6 and every estimator with its kind of error. A common rate
-    costs at most `1 / a` times the rows of plain sampling.
+    Measured with 20,000 rows at rates of 1e-6 and 1e-8, from 9 to 243 looks and B / fc of .1 to .6: standard errors of
+    2 to 6 % of the rate for every estimator with its kind of error, and decisions between two delays down to 1e-10
+    agree with their exact probabilities. Common rates cost no more rows than plain speckle does, at most `1 / a` times
+    as many. Limits: errors that no rival stands for, such as those of a coarse interpolation, have weights up to
+    `1 / a`, and some such rows, if any, make up most of the rate (3 looks; B / fc above 1, where standard errors are 6
+    to 20 %): look at the effective number. Windows much shorter than the record, which see few of its bins, gain
+    little; a window of several rows has no ratio.
 
     Parameters
     ----------
