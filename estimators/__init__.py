@@ -4,6 +4,7 @@ from estimators import bounds
 from estimators.cross_correlation import CrossCorrelation
 from estimators.estimate import DelayEstimate, Estimator
 from estimators.interferogram import Interferogram
+from estimators.maximum_likelihood import MaximumLikelihood
 from estimators.phase_slope import FullBandPhaseSlope
 from estimators.split_spectrum import SplitSpectrum
 from estimators.windows import FixedWindow
@@ -15,6 +16,7 @@ __all__ = [
     "FixedWindow",
     "FullBandPhaseSlope",
     "Interferogram",
+    "MaximumLikelihood",
     "SplitSpectrum",
     "bounds",
 ]

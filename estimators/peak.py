@@ -1,5 +1,7 @@
 """The peak of a stack of lag products: which one, and where between the lags."""
 
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +14,12 @@ STENCIL = 4
 """Lags on either side of a peak that its interpolation uses, and that a stack holds beyond the search range. At four
 lags per `1 / B` the polynomial of degree 8 follows the band's edge to 6e-5 of its amplitude half-way between lags."""
 
+SAMPLES_PER_CARRIER = 16
+"""Delays in a period of the highest frequency at which the passband correlation is searched."""
+
 Index = NDArray[np.intp]
+Ascent = Callable[[Real, Complex, Complex, Complex], tuple[Real, Real]]
+"""First and second derivative of what is maximised, at `share` of a lag, from the lag product and its derivatives."""
 
 _OFFSETS = np.arange(-STENCIL, STENCIL + 1)
 _COEFFICIENTS = np.linalg.inv(np.vander(_OFFSETS.astype(float), increasing=True))
@@ -73,7 +80,7 @@ def peak_at(stack: LagStack, index: Index) -> Peak:
     inside = (here >= before) & (here >= after) & (here > 0)
     bend = np.where(inside & (2 * here > before + after), 2 * here - before - after, np.inf)
     coefficients = np.tensordot(_COEFFICIENTS, around, axes=1)
-    share = _climb(coefficients, np.clip((after - before) / (2 * bend), -1.0, 1.0))
+    share = _climb(coefficients, np.clip((after - before) / (2 * bend), -1.0, 1.0), _of_magnitude)
     share[~inside] = 0.0
     return Peak(
         delay=(index - stack.reach + share) * stack.step,
@@ -81,6 +88,75 @@ def peak_at(stack: LagStack, index: Index) -> Peak:
         energy=_between(stack.energies, index, share),
         inside=inside,
     )
+
+
+def passband_peak(stack: LagStack, centre_frequency: float, bandwidth: float, search: float) -> Peak:
+    """Highest peak of the real passband correlation `Re{exp(2 pi i fc tau) C(tau)}`.
+
+    One candidate for each period of the highest frequency, `fc + B / 2`, over the search range and a wrap beyond it on
+    either side; Newton's method on the polynomial of `peak_at` then moves the best to the peak. It is inside unless it
+    lies beyond the search range.
+
+    Parameters
+    ----------
+    stack
+        Lag products, at least two wraps and `STENCIL` lags longer than the search range on either side.
+    centre_frequency, bandwidth
+        `fc` and `B` [Hz].
+    search
+        Largest delay [s].
+    """
+    start = _highest_of_periods(stack, centre_frequency, bandwidth, search + 1 / centre_frequency)
+    index = np.rint(start / stack.step).astype(np.intp)
+    coefficients = np.tensordot(_COEFFICIENTS, _around(stack, index + stack.reach), axes=1)
+    carrier = 2 * np.pi * centre_frequency * stack.step
+    share = _climb(coefficients, start / stack.step - index, partial(_of_passband, index=index, carrier=carrier))
+    delay = (index + share) * stack.step
+    return Peak(
+        delay=delay,
+        product=_polynomial(coefficients, share)[0],
+        energy=_between(stack.energies, index + stack.reach, share),
+        inside=np.abs(delay) <= search,
+    )
+
+
+def _highest_of_periods(stack: LagStack, centre_frequency: float, bandwidth: float, limit: float) -> Real:
+    """Delay of the highest candidate up to `limit` on either side."""
+    lags = stack.products.reshape(len(stack.products), -1)
+    fine = int(np.ceil(SAMPLES_PER_CARRIER * (centre_frequency + bandwidth / 2) * stack.step))
+    # An odd number, with a sample more on either side: receivers swapped give the same samples.
+    half = SAMPLES_PER_CARRIER // 2 - 1
+    period = np.arange(-half - 1, half + 2)
+    last = int(np.ceil(limit / stack.step * fine / (2 * half + 1)))
+    highest, delay = np.full(lags.shape[1], -np.inf), np.zeros(lags.shape[1])
+    for centre in (2 * half + 1) * np.arange(-last, last + 1):
+        # In lags.
+        at = (centre + period) / fine
+        middle = int(np.rint(centre / fine))
+        weights = np.vander(at - middle, len(_OFFSETS), increasing=True) @ _COEFFICIENTS
+        turned = np.exp(2j * np.pi * centre_frequency * stack.step * at)[:, None] * weights
+        around = lags[stack.reach + middle - STENCIL :][: len(_OFFSETS)]
+        height, place = _crest(turned.real @ around.real - turned.imag @ around.imag)
+        found = (at[0] + place / fine) * stack.step
+        better = (height > highest) & (np.abs(found) <= limit)
+        highest[better] = height[better]
+        delay[better] = found[better]
+    return delay.reshape(stack.products.shape[1:])
+
+
+def _crest(values: Real) -> tuple[Real, Real]:
+    """Height and place of the highest inner sample, moved to the crest of the sinusoid through it; from (sample, n).
+
+    Three samples fix amplitude, phase and frequency: `cos w = (before + after) / (2 here)`.
+    """
+    index = values[1:-1].argmax(axis=0) + 1
+    before, here, after = (np.take_along_axis(values, index[None] + step, axis=0)[0] for step in (-1, 0, 1))
+    is_top = (here > before) & (here >= after) & (before + after > 0)
+    cosine = np.divide(before + after, 2 * here, out=np.zeros_like(here), where=is_top)
+    sine = np.sqrt((1 - cosine) * (1 + cosine))
+    quadrature = np.where(is_top, (after - before) / (2 * sine), 0.0)
+    share = np.where(is_top, np.arctan2(quadrature, here) / np.arcsin(sine), 0.0)
+    return np.where(is_top, np.hypot(here, quadrature), here), index + share
 
 
 def moved_to(peak: Peak, stack: LagStack, delay: Real) -> Peak:
@@ -99,14 +175,27 @@ def _around(stack: LagStack, index: Index) -> Complex:
     return np.take_along_axis(stack.products, index + _OFFSETS[:, None, None], axis=0)
 
 
-def _climb(coefficients: Complex, share: Real) -> Real:
+def _climb(coefficients: Complex, share: Real, ascent: Ascent) -> Real:
     for _ in range(4):
-        value, slope, bend = _polynomial(coefficients, share)
-        gradient = (value.conj() * slope).real
-        curvature = power(slope) + (value.conj() * bend).real
+        gradient, curvature = ascent(share, *_polynomial(coefficients, share))
         step = np.divide(gradient, curvature, out=np.zeros_like(gradient), where=curvature < 0)
         share = np.clip(share - step, -1.0, 1.0)
     return share
+
+
+def _of_magnitude(share: Real, value: Complex, slope: Complex, bend: Complex) -> tuple[Real, Real]:
+    """Half the squared magnitude."""
+    return (value.conj() * slope).real, power(slope) + (value.conj() * bend).real
+
+
+def _of_passband(
+    share: Real, value: Complex, slope: Complex, bend: Complex, *, index: Index, carrier: float
+) -> tuple[Real, Real]:
+    """Real part with the carrier, which turns by `carrier` [rad] a lag, at `index + share` lags."""
+    turn = np.exp(1j * carrier * (index + share))
+    gradient = turn * (slope + 1j * carrier * value)
+    curvature = turn * (bend + 2j * carrier * slope - carrier**2 * value)
+    return gradient.real, curvature.real
 
 
 def _polynomial(coefficients: Complex, x: Real) -> tuple[Complex, Complex, Complex]:

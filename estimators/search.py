@@ -6,7 +6,7 @@ import numpy as np
 
 from estimators import bounds
 from estimators.estimate import DelayEstimate
-from estimators.lag_product import lag_stack, power
+from estimators.lag_product import LagStack, lag_stack, power
 from estimators.peak import STENCIL, Index, Peak, moved_to, peak_at
 from estimators.uncertainty import WrapErrors, debiased_coherence, predicted_std, predicted_wrap_errors
 from estimators.windows import FixedWindow
@@ -41,7 +41,7 @@ def search_peaks(
     pick: Callable[[Real], Index],
     refine: bool,
 ) -> Peak:
-    """Peak of the windowed lag product at every pixel.
+    """Peak of the magnitude of the windowed lag product at every pixel.
 
     With refinement the product is read again at the delay that the phase of the peak allows: the phase at the peak of
     the magnitude still moves with the error of that peak where the speckle's spectrum is off centre.
@@ -59,15 +59,41 @@ def search_peaks(
     refine
         Whether the peak is moved to the nearest delay that its phase allows.
     """
+
+    def find(stack: LagStack, margin: int) -> Peak:
+        peak = peak_at(stack, pick(power(stack.products[margin:-margin])) + margin)
+        return moved_to(peak, stack, refined_delay(peak, pair.centre_frequency)) if refine else peak
+
+    return over_lags(pair, window, search, lags_per_resolution, 0.5, find)
+
+
+def over_lags(
+    pair: EchoPair,
+    window: FixedWindow,
+    search: float,
+    lags_per_resolution: int,
+    wraps_beyond: float,
+    find: Callable[[LagStack, int], Peak],
+) -> Peak:
+    """Apply a method to the windowed lag products of every pixel.
+
+    Parameters
+    ----------
+    pair, window, search, lags_per_resolution
+        As in `search_peaks`.
+    wraps_beyond
+        How far beyond the search range the method reads the lag products, in wraps.
+    find
+        The method. It is given the lag products and how many lags at either end lie beyond the search range: the
+        wraps it asked for, and `STENCIL` more for the interpolation.
+    """
     factor = int(np.ceil(2 * lags_per_resolution * pair.bandwidth / pair.sample_rate))
     lags_per_second = factor * pair.sample_rate / 2
-    margin = STENCIL + int(np.ceil(0.5 / pair.centre_frequency * lags_per_second))
+    margin = STENCIL + int(np.ceil(wraps_beyond / pair.centre_frequency * lags_per_second))
     reach = max(int(np.ceil(search * lags_per_second)), 1) + margin
 
     def peaks(primary: Complex, secondary: Complex) -> Peak:
-        stack = lag_stack(primary, secondary, window, factor, reach, pair.sample_rate)
-        peak = peak_at(stack, pick(power(stack.products[margin:-margin])) + margin)
-        return moved_to(peak, stack, refined_delay(peak, pair.centre_frequency)) if refine else peak
+        return find(lag_stack(primary, secondary, window, factor, reach, pair.sample_rate), margin)
 
     bytes_per_sample = 40 * (2 * reach + 1) + 48 * factor
     return by_rows(pair, window, int(np.ceil(2 * reach / factor)), bytes_per_sample, peaks)

@@ -5,6 +5,8 @@ from sim.catalogue import SEDIMENTS
 from sim.coherence import CoherenceTerms, coherence_terms, expected_coherence
 from sim.echo_pair import EchoPair, Truth
 from sim.geometry import Geometry
+from sim.rare_errors import DelayErrors, PhaseErrors, SubBandErrors
+from sim.rare_speckle import rare_speckle_pair
 from sim.scattering import ValidityWarning, reflection_loss, scattering_strength
 from sim.scene import Box, Feature, Scene, Wedge
 from sim.sediment import ElasticBed, FluidBed, Sediment
@@ -21,6 +23,7 @@ __all__ = [
     "Beam",
     "Box",
     "CoherenceTerms",
+    "DelayErrors",
     "EchoPair",
     "ElasticBed",
     "Feature",
@@ -28,12 +31,14 @@ __all__ = [
     "GaussianBeam",
     "Geometry",
     "Noise",
+    "PhaseErrors",
     "Receiver",
     "Scene",
     "Sediment",
     "SincBeam",
     "Sonar",
     "SonarEquation",
+    "SubBandErrors",
     "SyntheticAperture",
     "Transmitter",
     "Truth",
@@ -43,6 +48,7 @@ __all__ = [
     "absorption",
     "coherence_terms",
     "expected_coherence",
+    "rare_speckle_pair",
     "reflection_loss",
     "scattering_strength",
     "simulate",

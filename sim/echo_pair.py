@@ -59,6 +59,10 @@ class EchoPair:
     circular
         The record is periodic in time: after the last sample comes the first. So are simulated records;
         measured ones are not.
+    likelihood_ratio
+        How likely each row is in nature over how likely it was to be drawn, shape (rows,), where rare errors were
+        made frequent: the mean of `likelihood_ratio * wrong` over rows is the natural rate. None where all rows are
+        drawn as in nature.
 
     Raises
     ------
@@ -74,6 +78,7 @@ class EchoPair:
     truth: Truth | None = None
     geometry: Geometry | None = None
     circular: bool = False
+    likelihood_ratio: Real | None = None
 
     def __post_init__(self) -> None:
         for name in ("primary", "secondary"):
@@ -100,6 +105,20 @@ class EchoPair:
                 f"bandwidth is {self.bandwidth:g} Hz; it must be below twice the centre frequency, "
                 f"{2 * self.centre_frequency:g} Hz"
             )
+        if self.likelihood_ratio is not None:
+            object.__setattr__(self, "likelihood_ratio", self._checked_ratio(self.likelihood_ratio))
+
+    def _checked_ratio(self, likelihood_ratio: Real) -> Real:
+        ratio = np.asarray(likelihood_ratio, dtype=float)
+        if ratio.shape != self.shape[:1]:
+            raise ValueError(
+                f"likelihood_ratio has the shape {ratio.shape}; it must have one number for each of the "
+                f"{self.shape[0]} rows"
+            )
+        checks.finite_samples("likelihood_ratio", ratio)
+        if ratio.min() < 0:
+            raise ValueError(f"likelihood_ratio has the value {ratio.min():g}; it must not be below 0")
+        return ratio
 
     @property
     def shape(self) -> tuple[int, int]:

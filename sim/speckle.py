@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sim import checks
-from sim.band import Band, TimeGrid
+from sim.band import Band, Complex, Real, TimeGrid
 from sim.echo_pair import EchoPair, Truth
 
 
@@ -49,27 +49,42 @@ def speckle_pair(
     ValueError
         For a value outside these limits.
     """
-    rows, samples = (checks.count(name, n) for name, n in zip(("rows", "samples"), shape, strict=True))
     coherence = checks.within("coherence", coherence, 0.0, 1.0)
-    checks.positive("centre_frequency", centre_frequency, "Hz")
-    grid = TimeGrid(samples, sample_rate)
-    band = Band(grid, bandwidth)
-    delays = np.asarray(delay, dtype=float)
-    checks.finite_samples("delay", delays)
-    if delays.size not in (1, rows):
-        raise ValueError(f"delay has {delays.size} values; it must have 1, or one for each of the {rows} rows")
-    delays = np.broadcast_to(delays.reshape(-1, 1), (rows, 1))
+    patch = Patch(shape, delay, centre_frequency, bandwidth, sample_rate)
     checks.generator(rng)
+    primary = patch.band.noise(patch.rows, rng)
+    secondary = coherence * primary + np.sqrt((1 - coherence) * (1 + coherence)) * patch.band.noise(patch.rows, rng)
+    return patch.pair(primary, secondary)
 
-    primary = band.noise(rows, rng)
-    secondary = coherence * primary + np.sqrt((1 - coherence) * (1 + coherence)) * band.noise(rows, rng)
-    secondary *= np.exp(-2j * np.pi * (centre_frequency + band.frequencies) * delays)
-    return EchoPair(
-        primary=band.series(primary),
-        secondary=band.series(secondary),
-        sample_rate=sample_rate,
-        centre_frequency=centre_frequency,
-        bandwidth=bandwidth,
-        truth=Truth(delay=delays),
-        circular=True,
-    )
+
+class Patch:
+    """The frame of a homogeneous patch, its values checked: how many rows, their band and their delays.
+
+    Parameters are those of `speckle_pair`; `delays` [s] have the shape (rows, 1).
+    """
+
+    def __init__(
+        self, shape: tuple[int, int], delay: ArrayLike, centre_frequency: float, bandwidth: float, sample_rate: float
+    ) -> None:
+        self.rows, samples = (checks.count(name, n) for name, n in zip(("rows", "samples"), shape, strict=True))
+        self.centre_frequency = checks.positive("centre_frequency", centre_frequency, "Hz")
+        self.band = Band(TimeGrid(samples, sample_rate), bandwidth)
+        delays = np.asarray(delay, dtype=float)
+        checks.finite_samples("delay", delays)
+        if delays.size not in (1, self.rows):
+            raise ValueError(f"delay has {delays.size} values; it must have 1, or one for each of the {self.rows} rows")
+        self.delays = np.broadcast_to(delays.reshape(-1, 1), (self.rows, 1))
+
+    def pair(self, primary: Complex, secondary: Complex, likelihood_ratio: Real | None = None) -> EchoPair:
+        """The echoes of two spectra, (rows, bins), the secondary delayed; it is overwritten."""
+        secondary *= np.exp(-2j * np.pi * (self.centre_frequency + self.band.frequencies) * self.delays)
+        return EchoPair(
+            primary=self.band.series(primary),
+            secondary=self.band.series(secondary),
+            sample_rate=self.band.grid.sample_rate,
+            centre_frequency=self.centre_frequency,
+            bandwidth=self.band.bandwidth,
+            truth=Truth(delay=self.delays),
+            circular=True,
+            likelihood_ratio=likelihood_ratio,
+        )

@@ -7,13 +7,22 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from estimators import CrossCorrelation, Estimator, FixedWindow, FullBandPhaseSlope, Interferogram, SplitSpectrum
+from estimators import (
+    CrossCorrelation,
+    Estimator,
+    FixedWindow,
+    FullBandPhaseSlope,
+    Interferogram,
+    MaximumLikelihood,
+    SplitSpectrum,
+)
 
 METHODS = {
     "interferogram": Interferogram,
     "cross-correlation": CrossCorrelation,
     "cross-correlation-group": lambda window: CrossCorrelation(window, refine=False),
     "split-spectrum": SplitSpectrum,
+    "maximum-likelihood": MaximumLikelihood,
     "phase-slope": lambda window: FullBandPhaseSlope(window, lags_per_resolution=8),
     "phase-slope-strongest": lambda window: FullBandPhaseSlope(window, peak="strongest", lags_per_resolution=8),
 }
@@ -84,6 +93,7 @@ def test_what_is_reported_lies_within_its_limits(make_patch, method, options, wi
         Interferogram(FixedWindow(1, 64)),
         CrossCorrelation(FixedWindow(1, 64)),
         CrossCorrelation(FixedWindow(1, 64), refine=False),
+        MaximumLikelihood(FixedWindow(1, 64)),
         SplitSpectrum(FixedWindow(1, 64)),
         FullBandPhaseSlope(FixedWindow(1, 64)),
     ],
@@ -146,8 +156,9 @@ def test_it_is_an_estimator(method):
     assert isinstance(method(FixedWindow(1, 9)), Estimator)
 
 
-def test_peaks_on_the_border_of_the_search_are_not_valid(make_patch):
+@pytest.mark.parametrize("method", [CrossCorrelation, MaximumLikelihood])
+def test_peaks_on_the_border_of_the_search_are_not_valid(make_patch, method):
     pair = make_patch(50, 63, coherence=0.99, delay=0.9 / 30e3, oversampling=1.0)
-    estimate = CrossCorrelation(FixedWindow(1, 63), search=0.5 / 30e3).estimate(pair)
+    estimate = method(FixedWindow(1, 63), search=0.5 / 30e3).estimate(pair)
     assert not estimate.valid.any()
-    assert CrossCorrelation(FixedWindow(1, 63), search=1.5 / 30e3).estimate(pair).valid.all()
+    assert method(FixedWindow(1, 63), search=1.5 / 30e3).estimate(pair).valid.all()

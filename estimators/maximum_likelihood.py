@@ -1,0 +1,57 @@
+"""Coherent maximum likelihood: carrier and band together."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from estimators.estimate import DelayEstimate
+from estimators.peak import passband_peak
+from estimators.search import describe, over_lags, search_range
+from estimators.windows import FixedWindow
+from sim import EchoPair, checks
+
+
+@dataclass(frozen=True)
+class MaximumLikelihood:
+    """Delay at which the windowed real passband correlation is highest.
+
+    The delay maximises `Re{exp(2 pi i fc tau) C(t, tau)}` with the windowed lag product
+    `C(t, tau) = sum over the window of p*(t' - tau/2) s(t' + tau/2)`: the likelihood of a delay of circular Gaussian
+    series with one coherence over the band (Knapp and Carter 1976, with the carrier kept). It tells the wrap as the
+    cross-correlation does, and within the wrap it reaches the coherent bound with fewer looks.
+
+    The search visits every wrap, so that its cost grows with `fc / B`. Its peaks are off the definition by what the
+    polynomial through the lag products is, at most 6e-5 of the height with four lags in `1 / B`.
+
+    Parameters
+    ----------
+    window
+        What to average over.
+    search
+        Largest delay to look for [s]; `1 / B` where None. A peak up to a wrap beyond it that is higher than all
+        within is not valid.
+    lags_per_resolution
+        Lags in `1 / B` between which the correlation is interpolated, at least 4.
+    """
+
+    window: FixedWindow
+    search: float | None = None
+    lags_per_resolution: int = 4
+
+    def __post_init__(self) -> None:
+        checks.count("lags_per_resolution", self.lags_per_resolution, least=4)
+
+    def estimate(self, pair: EchoPair) -> DelayEstimate:
+        """Estimate the delay at every sample; ValueError where window or search range exceed the pair."""
+        search = search_range(pair, self.search, 1.0)
+        peak = over_lags(
+            pair,
+            self.window,
+            search,
+            self.lags_per_resolution,
+            2.0,
+            lambda stack, _: passband_peak(stack, pair.centre_frequency, pair.bandwidth, search),
+        )
+        # The delay stands as found: at the passband peak the phase of the lag product need not be that of the carrier.
+        delay = np.broadcast_to(peak.delay, pair.shape)
+        return replace(describe(pair, self.window, peak, refine=True, search=search), delay=delay)
