@@ -21,35 +21,18 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline, PPoly
-from scipy.linalg import eigh_tridiagonal
 
+from .band_lines import band_lines
 from .conventions import Floats
 
 RootDeterminant = Callable[[Floats, Floats, Floats], Floats]
 
-MAX_LINES = 20
 FEW_LINES = 10
 STEP = 0.25
 COARSER = 8
 NODE_STEP = 0.6
 NODE_REACH = 7
 _FAR = 1e4
-
-
-def band_lines(looks: float, relative_bandwidth: float, lines: int = MAX_LINES) -> tuple[Floats, Floats]:
-    """
-    Phases theta_k over one wrap [rad] and gamma shapes of the N equal lines, B / N apart, of a flat band.
-
-    Above `lines` looks, the Gauss rule of the N lines (discrete Chebyshev polynomials) stands for them,
-    which also holds for real N.
-    """
-    n = min(int(np.ceil(looks)), lines)
-    k = np.arange(1.0, n)
-    off_diagonal = np.sqrt(k**2 * (1.0 - (k / looks) ** 2) / (4.0 * (4.0 * k**2 - 1.0)))
-    position, vectors = eigh_tridiagonal(np.zeros(n), off_diagonal)
-    theta = np.asarray(2.0 * np.pi * relative_bandwidth * position, dtype=np.float64)
-    shapes: Floats = looks * vectors[0] ** 2
-    return theta, shapes
 
 
 def matched_root_determinant(theta: Floats, shapes: Floats, scales: Floats) -> Floats:
@@ -131,7 +114,8 @@ def central_directions(theta: Floats, shapes: Floats, t: Floats) -> tuple[Floats
 @lru_cache(maxsize=4096)
 def log_exponent_curve(looks: int, relative_bandwidth: float) -> PPoly:
     """`log(-log(2 E[P]))` against `log q` for N > 1 whole looks; straight where P is not resolved."""
-    theta, shapes = band_lines(looks, relative_bandwidth)
+    position, shapes = band_lines(looks)
+    theta = 2.0 * np.pi * relative_bandwidth * position
     mean_sine2 = float(np.sum(shapes * np.sin(0.5 * theta) ** 2) / looks)
     # To probabilities of about exp(-80).
     furthest = min(1e13, np.expm1(min(80.0 / looks, 80.0)))

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .conventions import MOST_LOOKS, Floats, within
+from .conventions import MOST_LOOKS, Floats, open_ratio, within
 from .envelope_pair import log_exponent_curve
 
 NODES = np.unique(np.concatenate([np.arange(2, 21), np.round(np.geomspace(21, 1.3e9, 100))])).astype(np.int64)
@@ -42,7 +42,7 @@ def envelope_pair_probability(looks: ArrayLike, coherence: ArrayLike, relative_b
     Arguments, shapes and validity as in `wrap_error_probability`, of which it is one half.
     """
     n, gamma, ratio = np.broadcast_arrays(
-        within(looks, 1.0, MOST_LOOKS), within(coherence, 0.0, 1.0), _open_ratio(relative_bandwidth)
+        within(looks, 1.0, MOST_LOOKS), within(coherence, 0.0, 1.0), open_ratio(relative_bandwidth)
     )
     result = np.full(n.shape, np.nan)
     valid = np.isfinite(n + gamma + ratio)
@@ -50,11 +50,6 @@ def envelope_pair_probability(looks: ArrayLike, coherence: ArrayLike, relative_b
         chosen = valid & (ratio == value)
         result[chosen] = 0.5 * np.exp(-_exponent(n[chosen], gamma[chosen], float(value)))
     return result
-
-
-def _open_ratio(relative_bandwidth: ArrayLike) -> Floats:
-    ratio = within(relative_bandwidth, 0.0, 2.0)
-    return np.where((ratio > 0.0) & (ratio < 2.0), ratio, np.nan)
 
 
 def several_wraps_error_probability(
@@ -71,7 +66,7 @@ def several_wraps_error_probability(
     if wraps < 1:
         raise ValueError(f"wraps is {wraps}; it must be at least 1")
     nearest = wrap_error_probability(looks, coherence, relative_bandwidth)
-    n, gamma, ratio = np.broadcast_arrays(within(looks, 1.0, MOST_LOOKS), coherence, _open_ratio(relative_bandwidth))
+    n, gamma, ratio = np.broadcast_arrays(within(looks, 1.0, MOST_LOOKS), coherence, open_ratio(relative_bandwidth))
     total = np.array(nearest)
     for m in range(2, wraps + 1):
         near = np.isfinite(nearest) & (m * ratio <= 0.5 * n)
