@@ -10,6 +10,7 @@ from .crlb import (
     phase_crlb,
     split_spectrum_crlb,
 )
+from .debiasing import debias_coherence
 from .gaussian_wrap_error import gaussian_split_spectrum_wrap_error_probability, gaussian_wrap_error_probability
 from .multilook import (
     multilook_phase_cdf,
@@ -19,7 +20,6 @@ from .multilook import (
     sample_multilook_phase,
 )
 from .sample_coherence import (
-    debias_coherence,
     sample_coherence_mean,
     sample_coherence_pdf,
     sample_coherence_std,

@@ -109,9 +109,8 @@ def lines_needed(n: Floats, q: Floats, ratio: Floats) -> Floats:
     The sum is analytic in an ellipse about the band that reaches `2 asinh(q^-1/2)` off the real axis. Zero
     lines where the four in ten of them between 1/8 and 3/8 of the band alone make the probability underflow.
     """
-    with np.errstate(divide="ignore"):
-        beyond = np.minimum(2.0 * np.arcsinh(1.0 / np.sqrt(q)) / (np.pi * ratio), 1e9)
-        rate = np.log(beyond + np.hypot(1.0, beyond))
+    beyond = np.clip(2.0 * np.arcsinh(1.0 / np.sqrt(np.maximum(q, 1e-300))) / (np.pi * ratio), 1e-9, 1e9)
+    rate = np.arcsinh(beyond)
     enough = np.minimum((np.log(n) + 17.0) / (2.0 * rate), n)
     tiers = MAX_LINES * 2.0 ** np.ceil(np.log2(np.maximum(enough / MAX_LINES, 1.0)))
     vanishes = (n > MAX_LINES) & (0.4 * n * np.log1p(q * np.sin(0.125 * np.pi * ratio) ** 2) > _SMALLEST)

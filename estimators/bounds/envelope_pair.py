@@ -24,6 +24,7 @@ from scipy.interpolate import CubicSpline, PPoly
 
 from .band_lines import band_lines
 from .conventions import Floats
+from .quadrature import unit_gauss_legendre
 
 RootDeterminant = Callable[[Floats, Floats, Floats], Floats]
 
@@ -84,16 +85,16 @@ def exact_root_determinant(theta: Floats, shapes: Floats, scales: Floats) -> Flo
 
 def line_directions(theta: Floats, t: Floats) -> tuple[Floats, Floats]:
     """Nodes and weights over the circle, (t, nodes), for peaks of width `2 / sqrt(t)` at the lines."""
-    x, w = np.polynomial.legendre.leggauss(12)
+    x, w = unit_gauss_legendre(12)
     line = np.sort(np.mod(theta, 2.0 * np.pi))
     gap = np.diff(line, append=line[0] + 2.0 * np.pi)[:, None]
     width = 2.0 / np.sqrt(t)[:, None, None]
     # Far outside the band nothing is left to integrate.
     reach = np.minimum(0.5 * gap, 30.0 * (width + np.ptp(theta)))
     span = np.arcsinh(reach / width)
-    v = span * 0.5 * (x + 1.0)
+    v = span * x
     offset = width * np.sinh(v)
-    weight = 0.5 * w * span * width * np.cosh(v)
+    weight = w * span * width * np.cosh(v)
     # The lines are symmetric: the half gap after each line mirrors the half gap before another.
     return (line[:, None] + offset).reshape(t.size, -1), 2.0 * weight.reshape(t.size, -1)
 
@@ -146,9 +147,9 @@ def _log_density(theta: Floats, shapes: Floats, u: Floats, mean_root: RootDeterm
 
 def _log_exponent(u: Floats, log_density: Floats) -> PPoly:
     """`log(-log(tail))` over u of a density given by its log at the knots u, and `exp(u)` below them."""
-    x, w = np.polynomial.legendre.leggauss(6)
-    nodes = u[:-1, None] + 0.5 * STEP * (x + 1.0)
-    piece = 0.5 * STEP * np.exp(CubicSpline(u, log_density)(nodes)) @ w
+    x, w = unit_gauss_legendre(6)
+    nodes = u[:-1, None] + STEP * x
+    piece = STEP * np.exp(CubicSpline(u, log_density)(nodes)) @ w
     below = np.exp(log_density[0]) + np.concatenate([[0.0], np.cumsum(piece)])
     above = np.concatenate([np.cumsum(piece[::-1])[::-1], [0.0]])
     total = below[0] + above[0]

@@ -24,14 +24,17 @@ def integral(function: Callable, low, high, peak, width):
     while reach < high - low:
         edges |= {e for e in (peak - reach, peak + reach) if low < e < high}
         reach *= 3
-    return mp.quad(function, sorted(edges), method="gauss-legendre", maxdegree=6)
+    # The error that ends the refinement is an absolute one.
+    level = max(abs(function(e)) for e in edges)
+    return level * mp.quad(lambda x: function(x) / level, sorted(edges), method="gauss-legendre", maxdegree=6)
 
 
 def student(n, end, below):
     """Regularised incomplete beta function of 1/2 and n + 1/2 below or above `end^2`."""
     if n <= 1000:
-        limits = (0, end**2) if below else (end**2, 1)
-        return mp.betainc(0.5, n + 0.5, *limits, regularized=True)
+        if below:
+            return mp.betainc(0.5, n + 0.5, 0, end**2, regularized=True)
+        return mp.betainc(n + 0.5, 0.5, 0, (1 - end) * (1 + end), regularized=True)
     low, high = (mp.mpf(0), end) if below else (end, mp.mpf(1))
     width = 1 / mp.sqrt(n) if below else min(1 / mp.sqrt(n), 1 / (n * end))
     area = integral(lambda u: (1 - u * u) ** (n - mp.mpf(0.5)), low, high, low, width)
@@ -65,13 +68,13 @@ def phase_std(n, g):
     return mp.sqrt(2 * integral(lambda phi: phi**2 * phase_pdf(phi, n, g), mp.mpf(0), mp.pi, mp.mpf(0), scale))
 
 
-def coherence_pdf(v, n, g):
-    """`2F1(n, n; 1; z^2)` is the mean of `|1 - z exp(i a)|^-2n` over the circle."""
-    z = v * g
+def coherence_pdf(v, rest, n, g):
+    """At v and `rest = 1 - v`; `2F1(n, n; 1; z^2)` is the mean of `|1 - z exp(i a)|^-2n` over the circle."""
+    z, gap = v * g, (1 - g) + g * rest
     circle = integral(
-        lambda a: (1 + 4 * z * mp.sin(a / 2) ** 2 / (1 - z) ** 2) ** (-n), mp.mpf(0), mp.pi, mp.mpf(0), (1 - z) / mp.sqrt(n)
+        lambda a: (1 + 4 * z * mp.sin(a / 2) ** 2 / gap**2) ** (-n), mp.mpf(0), mp.pi, mp.mpf(0), gap / mp.sqrt(n)
     )
-    level = n * mp.log((1 - g) * (1 + g) / (1 - z) ** 2) + (n - 2) * mp.log((1 - v) * (1 + v))
+    level = n * mp.log((1 - g) * (1 + g) / gap**2) + (n - 2) * mp.log(rest * (1 + v))
     return 2 * (n - 1) * v * mp.exp(level) * circle / mp.pi
 
 
@@ -82,15 +85,16 @@ def coherence_moments(n, g):
     high = centre + 8 * mp.sqrt(5 / n) + 40 / (n - 1)
     cache: dict = {}
 
-    def mass(zeta):
-        if zeta not in cache:
-            v = mp.tanh(zeta)
-            cache[zeta] = coherence_pdf(v, n, g) / mp.cosh(zeta) ** 2
-        return cache[zeta]
-
     def rest(zeta):
         return 2 / (1 + mp.exp(2 * zeta))
 
+    def mass(zeta):
+        if zeta not in cache:
+            v = mp.tanh(zeta)
+            cache[zeta] = coherence_pdf(v, rest(zeta), n, g) * rest(zeta) * (1 + v)
+        return cache[zeta]
+
+    # The density adds up to one, but for n near one beyond the last panel.
     total = integral(mass, low, high, centre, width)
     missing = integral(lambda z: mass(z) * rest(z), low, high, centre, width) / total
     square = integral(lambda z: mass(z) * (rest(z) - missing) ** 2, low, high, centre, width) / total
@@ -108,7 +112,7 @@ def rows() -> Iterator[Row]:
             yield "phase_std", n, g, 0.0, mp.nstr(phase_std(looks, coherence), 17)
             if n > 1:
                 for v in SHARES:
-                    yield "coherence_pdf", n, g, v, mp.nstr(coherence_pdf(mp.mpf(v), looks, coherence), 17)
+                    yield "coherence_pdf", n, g, v, mp.nstr(coherence_pdf(mp.mpf(v), 1 - mp.mpf(v), looks, coherence), 17)
                 _, mean, std = coherence_moments(looks, coherence)
                 yield "coherence_mean", n, g, 0.0, mp.nstr(mean, 17)
                 yield "coherence_std", n, g, 0.0, mp.nstr(std, 17)
