@@ -118,9 +118,10 @@ def log_exponent_curve(looks: int, relative_bandwidth: float) -> PPoly:
     position, shapes = band_lines(looks)
     theta = 2.0 * np.pi * relative_bandwidth * position
     mean_sine2 = float(np.sum(shapes * np.sin(0.5 * theta) ** 2) / looks)
-    # To probabilities of about exp(-80).
-    furthest = min(1e13, np.expm1(min(80.0 / looks, 80.0)))
-    u = np.arange(np.log(1e-3 / (looks * mean_sine2)), np.log(furthest / mean_sine2), STEP)
+    # To probabilities of about exp(-200), or a coherence that rounds to one.
+    furthest = np.expm1(min(200.0 / looks, 46.0))
+    # From where the exponent is proportional to t, whatever the direction.
+    u = np.arange(np.log(1e-3 / looks), np.log(furthest / mean_sine2), STEP)
     log_density = _log_density(theta, shapes, u, matched_root_determinant)
     if looks <= FEW_LINES:
         # What the matched moments miss varies slowly.
