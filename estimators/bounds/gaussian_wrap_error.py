@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import erfc
 
-from .conventions import MOST_LOOKS, Floats, open_ratio, within
+from .conventions import MOST_LOOKS, Floats, open_ratio, sub_band_looks, within
 from .crlb import phase_crlb
 
 
