@@ -10,6 +10,8 @@ from .crlb import (
     phase_crlb,
     split_spectrum_crlb,
 )
+from .debiasing import debias_coherence
+from .gaussian_wrap_error import gaussian_split_spectrum_wrap_error_probability, gaussian_wrap_error_probability
 from .multilook import (
     multilook_phase_cdf,
     multilook_phase_pdf,
@@ -17,14 +19,13 @@ from .multilook import (
     multilook_phase_std,
     sample_multilook_phase,
 )
-from .other_wrap_errors import gaussian_wrap_error_probability, split_spectrum_wrap_error_probability
 from .sample_coherence import (
-    debias_coherence,
     sample_coherence_mean,
     sample_coherence_pdf,
     sample_coherence_std,
     sample_sample_coherence,
 )
+from .split_spectrum import split_spectrum_wrap_error_probability
 from .wrap_errors import (
     envelope_pair_probability,
     several_wraps_error_probability,
@@ -40,6 +41,7 @@ __all__ = [
     "depth_crlb",
     "effective_looks",
     "envelope_pair_probability",
+    "gaussian_split_spectrum_wrap_error_probability",
     "gaussian_wrap_error_probability",
     "group_delay_crlb",
     "intensity_delay_crlb",

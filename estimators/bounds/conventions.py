@@ -17,6 +17,19 @@ def within(value: ArrayLike, low: float, high: float) -> Floats:
     return np.where((x >= low) & (x <= high), x, np.nan)
 
 
+def open_ratio(relative_bandwidth: ArrayLike) -> Floats:
+    """`B / fc` as floats, NaN where it is not above 0 and below 2."""
+    ratio = np.asarray(relative_bandwidth, dtype=np.float64)
+    return np.where((ratio > 0.0) & (ratio < 2.0), ratio, np.nan)
+
+
+def sub_band_looks(looks: ArrayLike, share: float) -> Floats:
+    """Looks of a sub-band of `share` of the band, in [1, 1e9] and NaN elsewhere."""
+    n = np.asarray(looks, dtype=np.float64) * share
+    # A third of three may round to less than one.
+    return within(np.where(np.abs(n - 1.0) < 1e-12, 1.0, n), 1.0, MOST_LOOKS)
+
+
 def checked_looks_and_coherence(looks: ArrayLike, coherence: ArrayLike) -> tuple[Floats, Floats]:
     """Looks in [1, 1e9] and coherence in [0, 1] of one shape, for a sampler; ValueError elsewhere."""
     n, gamma = np.broadcast_arrays(within(looks, 1.0, MOST_LOOKS), within(coherence, 0.0, 1.0))

@@ -24,7 +24,7 @@ def phase_crlb(looks: ArrayLike, coherence: ArrayLike) -> Floats:
     n = within(looks, 0.0, np.inf)
     gamma = within(coherence, 0.0, 1.0)
     # (1 - g)(1 + g) keeps all digits near g = 1, and no square underflows near g = 0.
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         one_look: Floats = np.sqrt(0.5 * (1.0 - gamma) * (1.0 + gamma)) / gamma
     return one_look / np.sqrt(np.where(n > 0.0, n, np.nan))
 

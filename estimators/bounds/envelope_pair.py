@@ -21,35 +21,19 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline, PPoly
-from scipy.linalg import eigh_tridiagonal
 
+from .band_lines import band_lines
 from .conventions import Floats
+from .quadrature import unit_gauss_legendre
 
 RootDeterminant = Callable[[Floats, Floats, Floats], Floats]
 
-MAX_LINES = 20
 FEW_LINES = 10
 STEP = 0.25
 COARSER = 8
 NODE_STEP = 0.6
 NODE_REACH = 7
 _FAR = 1e4
-
-
-def band_lines(looks: float, relative_bandwidth: float, lines: int = MAX_LINES) -> tuple[Floats, Floats]:
-    """
-    Phases theta_k over one wrap [rad] and gamma shapes of the N equal lines, B / N apart, of a flat band.
-
-    Above `lines` looks, the Gauss rule of the N lines (discrete Chebyshev polynomials) stands for them,
-    which also holds for real N.
-    """
-    n = min(int(np.ceil(looks)), lines)
-    k = np.arange(1.0, n)
-    off_diagonal = np.sqrt(k**2 * (1.0 - (k / looks) ** 2) / (4.0 * (4.0 * k**2 - 1.0)))
-    position, vectors = eigh_tridiagonal(np.zeros(n), off_diagonal)
-    theta = np.asarray(2.0 * np.pi * relative_bandwidth * position, dtype=np.float64)
-    shapes: Floats = looks * vectors[0] ** 2
-    return theta, shapes
 
 
 def matched_root_determinant(theta: Floats, shapes: Floats, scales: Floats) -> Floats:
@@ -101,16 +85,16 @@ def exact_root_determinant(theta: Floats, shapes: Floats, scales: Floats) -> Flo
 
 def line_directions(theta: Floats, t: Floats) -> tuple[Floats, Floats]:
     """Nodes and weights over the circle, (t, nodes), for peaks of width `2 / sqrt(t)` at the lines."""
-    x, w = np.polynomial.legendre.leggauss(12)
+    x, w = unit_gauss_legendre(12)
     line = np.sort(np.mod(theta, 2.0 * np.pi))
     gap = np.diff(line, append=line[0] + 2.0 * np.pi)[:, None]
     width = 2.0 / np.sqrt(t)[:, None, None]
     # Far outside the band nothing is left to integrate.
     reach = np.minimum(0.5 * gap, 30.0 * (width + np.ptp(theta)))
     span = np.arcsinh(reach / width)
-    v = span * 0.5 * (x + 1.0)
+    v = span * x
     offset = width * np.sinh(v)
-    weight = 0.5 * w * span * width * np.cosh(v)
+    weight = w * span * width * np.cosh(v)
     # The lines are symmetric: the half gap after each line mirrors the half gap before another.
     return (line[:, None] + offset).reshape(t.size, -1), 2.0 * weight.reshape(t.size, -1)
 
@@ -131,11 +115,13 @@ def central_directions(theta: Floats, shapes: Floats, t: Floats) -> tuple[Floats
 @lru_cache(maxsize=4096)
 def log_exponent_curve(looks: int, relative_bandwidth: float) -> PPoly:
     """`log(-log(2 E[P]))` against `log q` for N > 1 whole looks; straight where P is not resolved."""
-    theta, shapes = band_lines(looks, relative_bandwidth)
+    position, shapes = band_lines(looks)
+    theta = 2.0 * np.pi * relative_bandwidth * position
     mean_sine2 = float(np.sum(shapes * np.sin(0.5 * theta) ** 2) / looks)
-    # To probabilities of about exp(-80).
-    furthest = min(1e13, np.expm1(min(80.0 / looks, 80.0)))
-    u = np.arange(np.log(1e-3 / (looks * mean_sine2)), np.log(furthest / mean_sine2), STEP)
+    # To probabilities of about exp(-200), or a coherence that rounds to one.
+    furthest = np.expm1(min(200.0 / looks, 46.0))
+    # From where the exponent is proportional to t, whatever the direction.
+    u = np.arange(np.log(1e-3 / looks), np.log(furthest / mean_sine2), STEP)
     log_density = _log_density(theta, shapes, u, matched_root_determinant)
     if looks <= FEW_LINES:
         # What the matched moments miss varies slowly.
@@ -162,9 +148,9 @@ def _log_density(theta: Floats, shapes: Floats, u: Floats, mean_root: RootDeterm
 
 def _log_exponent(u: Floats, log_density: Floats) -> PPoly:
     """`log(-log(tail))` over u of a density given by its log at the knots u, and `exp(u)` below them."""
-    x, w = np.polynomial.legendre.leggauss(6)
-    nodes = u[:-1, None] + 0.5 * STEP * (x + 1.0)
-    piece = 0.5 * STEP * np.exp(CubicSpline(u, log_density)(nodes)) @ w
+    x, w = unit_gauss_legendre(6)
+    nodes = u[:-1, None] + STEP * x
+    piece = STEP * np.exp(CubicSpline(u, log_density)(nodes)) @ w
     below = np.exp(log_density[0]) + np.concatenate([[0.0], np.cumsum(piece)])
     above = np.concatenate([np.cumsum(piece[::-1])[::-1], [0.0]])
     total = below[0] + above[0]

@@ -13,8 +13,10 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.special import betainc, betaincc
 
 from .conventions import MOST_LOOKS, Floats, checked_looks_and_coherence, signal_strength, within
+from .crlb import phase_crlb
 
 STEP = 0.14
 
@@ -81,7 +83,10 @@ def _upper_tail(psi: Floats, n: Floats, gamma: Floats) -> Floats:
     """
     strength = signal_strength(gamma) * np.sin(psi) ** 2
     beyond = _sector(np.minimum(np.pi - psi, psi), n, strength)
-    half_plane = 2.0 * _sector(np.full_like(psi, 0.5 * np.pi), n, strength)
+    # Student's distribution: the sign of a normal variate about a root of gamma power.
+    half_plane = 0.5 * np.where(
+        strength < 1.0, betaincc(0.5, n, strength / (1.0 + strength)), betainc(n, 0.5, 1.0 / (1.0 + strength))
+    )
     tail = np.where(psi < 0.5 * np.pi, half_plane - beyond, beyond)
     return np.where(gamma == 1.0, np.where(psi == 0.0, 0.5, 0.0 * psi), tail)
 
@@ -109,24 +114,27 @@ def multilook_phase_std(looks: ArrayLike, coherence: ArrayLike) -> Floats:
     """
     Standard deviation [rad] of the multilook phase error about its true value, within (-pi, pi].
 
-    The second moment of `multilook_phase_pdf`, by Gauss-Legendre steps over asinh of the phase.
+    `sigma^2 = 1/2 int_0^1 (1 + q x)^-L (-ln(1 - x)) dx / x + 1/2 int_1^inf (1 + q x)^-L ln((sqrt(x) + 1) /
+    (sqrt(x) - 1)) dx / x`, `q = gamma^2 / (1 - gamma^2)`: four times the integral of phase times upper tail, in
+    whose double integral `x = sin^2 psi / sin^2 theta` is fixed first. By trapezoids; relative error below 1e-10.
     """
     _, n, gamma = _arguments(0.0, looks, coherence)
-    inside = np.where(gamma < 1.0, gamma, 0.5)
-    with np.errstate(divide="ignore"):
-        inverse_q = (1.0 - inside) / inside * ((1.0 + inside) / inside)
-    scale = np.minimum(np.sqrt(0.5 * inverse_q / n), 1.0)
-    # Beyond this sine the density is below exp(-45) of its peak.
-    sine2 = np.expm1(45.0 / n) * inverse_q
-    end = np.where(sine2 < 1.0, np.arcsin(np.sqrt(np.minimum(sine2, 1.0))), np.pi)
-    span = np.arcsinh(end / scale)
-    nodes, weights = np.polynomial.legendre.leggauss(96)
-    moment = np.zeros_like(n)
-    for x, weight in zip(0.5 * (nodes + 1.0), weights, strict=True):
-        phi = scale * np.sinh(span * x)
-        density = multilook_phase_pdf(phi, n, inside)
-        moment += weight * phi**2 * density * np.cosh(span * x)
-    return np.where(gamma < 1.0, np.sqrt(moment * scale * span), 0.0 * n * gamma)
+    q = signal_strength(gamma)
+    variance = np.zeros_like(n)
+    for log_x, below, above in _folded_phase():
+        variance += below * np.exp(-n * np.log1p(q * np.exp(-log_x)))
+        # Far above one nothing is left of a strong signal, and the power must not overflow.
+        variance += above * np.exp(-n * np.log1p(np.minimum(q * np.exp(log_x), 1e300)))
+    return np.where(gamma < 1.0, np.sqrt(variance), 0.0 * n * gamma)
+
+
+def _folded_phase() -> Iterator[tuple[float, float, float]]:
+    """Steps in `|log x|` with the weights of `x < 1` and `x > 1`, crowded towards x = 1 by `log(1 + exp(w))`."""
+    step = 0.35
+    for w in np.arange(-36.0, 90.0, step):
+        log_x = np.logaddexp(0.0, w)
+        width = 0.5 * step / (1.0 + np.exp(-w))
+        yield log_x, -width * np.log1p(-np.exp(-log_x)), width * np.log1p(2.0 / np.expm1(0.5 * log_x))
 
 
 def multilook_phase_quantile(probability: ArrayLike, looks: ArrayLike, coherence: ArrayLike) -> Floats:
@@ -139,7 +147,7 @@ def multilook_phase_quantile(probability: ArrayLike, looks: ArrayLike, coherence
     goal = np.minimum(p, 1.0 - p)
     low, high = np.zeros_like(p), np.full_like(p, np.pi)
     normal = np.sqrt(-2.0 * np.log(np.maximum(2.0 * goal, 1e-300)))
-    psi = np.clip(normal * np.minimum(_scale(n, gamma), 1.0), 0.0, 3.0)
+    psi = np.clip(normal * np.minimum(phase_crlb(n, gamma), 1.0), 0.0, 3.0)
     for _ in range(80):
         tail = _upper_tail(psi, n, gamma)
         below = tail > goal
@@ -158,11 +166,6 @@ def multilook_phase_quantile(probability: ArrayLike, looks: ArrayLike, coherence
     psi = np.where(goal == 0.0, np.pi, np.where(goal == 0.5, 0.0, psi))
     psi = np.where(gamma == 1.0, 0.0, psi + 0.0 * (p + n + gamma))
     return np.where(p < 0.5, -psi, psi)
-
-
-def _scale(n: Floats, gamma: Floats) -> Floats:
-    with np.errstate(divide="ignore"):
-        return np.sqrt(0.5 * (1.0 - gamma) * (1.0 + gamma) / n) / gamma
 
 
 def sample_multilook_phase(

@@ -13,13 +13,11 @@ result is NaN. One look always gives 1, and so does full coherence.
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
 
 from .conventions import MOST_LOOKS, Floats, checked_looks_and_coherence, within
+from .quadrature import unit_gauss_legendre
 
 STEP = 0.25
 
@@ -55,8 +53,16 @@ def _log_density(offset: Floats, zeta0: Floats, n: Floats) -> Floats:
     total = np.full(np.broadcast(offset, zeta0, n).shape, 0.5)
     for w in STEP * np.arange(1, 89):
         tangent2 = (scale * np.sinh(w)) ** 2
-        fall = np.log1p(ratio2 * tangent2) - np.log1p(tangent2)
-        total += np.cosh(w) / (1.0 + tangent2) * np.exp(power * fall)
+        cosine2 = 1.0 / (1.0 + tangent2)
+        with np.errstate(divide="ignore"):
+            fall = np.log1p((ratio2 - 1.0) * tangent2 * cosine2)
+        term = np.cosh(w) * cosine2 * np.exp(power * fall)
+        total += term
+        if np.all(term < 1e-17 * total):
+            break
+    # Beyond the last step, where the tangent is far above one, the power stays what it is at a right angle.
+    with np.errstate(under="ignore"):
+        total += ratio2**power / (scale**2 * STEP * np.sinh(w + 0.5 * STEP))
     total *= scale * STEP * 2.0 / np.pi
     with np.errstate(divide="ignore"):
         log_sinh = 2.0 * zeta + np.log(-0.5 * np.expm1(-4.0 * zeta))
@@ -69,8 +75,8 @@ def _log_cosh(x: Floats) -> Floats:
     return result
 
 
-def _moments(looks: ArrayLike, coherence: ArrayLike) -> tuple[Floats, Floats]:
-    """Mean of `1 - g`, and standard deviation of g."""
+def sample_coherence_moments(looks: ArrayLike, coherence: ArrayLike) -> tuple[Floats, Floats, Floats]:
+    """Means of g and of `1 - g`, each to its relative accuracy, and standard deviation of g."""
     n, gamma = np.broadcast_arrays(within(looks, 1.0, MOST_LOOKS), within(coherence, 0.0, 1.0))
     spread = (n > 1.0) & (gamma < 1.0)
     m, zeta0 = np.where(spread, n, 2.0), np.arctanh(np.where(spread, gamma, 0.5))
@@ -78,17 +84,19 @@ def _moments(looks: ArrayLike, coherence: ArrayLike) -> tuple[Floats, Floats]:
     # Beyond these the density is below exp(-40) of its peak.
     low = np.arcsinh(np.minimum(zeta0, np.sqrt(40.0 / m) + 20.0 / m) / scale)
     high = np.arcsinh(np.minimum(np.sqrt(40.0 / m) + 20.0 / (m - 1.0), 1e300) / scale)
-    nodes, weights = np.polynomial.legendre.leggauss(96)
-    w = -low[..., None] + (low + high)[..., None] * 0.5 * (nodes + 1.0)
+    nodes, weights = unit_gauss_legendre(96)
+    w = -low[..., None] + (low + high)[..., None] * nodes
     offset = scale[..., None] * np.sinh(w)
     log_density = _log_density(offset, zeta0[..., None], m[..., None])
     mass = weights * np.cosh(w) * np.exp(log_density - np.max(log_density, axis=-1, keepdims=True))
     mass = mass / np.sum(mass, axis=-1, keepdims=True)
-    missing = 2.0 / (1.0 + np.exp(np.minimum(2.0 * (zeta0[..., None] + offset), 700.0)))
-    mean = np.sum(mass * missing, axis=-1)
-    std = np.sqrt(np.sum(mass * (missing - mean[..., None]) ** 2, axis=-1))
+    zeta = zeta0[..., None] + offset
+    missing = 2.0 / (1.0 + np.exp(np.minimum(2.0 * zeta, 700.0)))
+    mean = np.sum(mass * np.tanh(zeta), axis=-1)
+    rest = np.sum(mass * missing, axis=-1)
+    std = np.sqrt(np.sum(mass * (missing - rest[..., None]) ** 2, axis=-1))
     certain = 0.0 * (n + gamma)
-    return np.where(spread, mean, certain), np.where(spread, std, certain)
+    return np.where(spread, mean, 1.0 + certain), np.where(spread, rest, certain), np.where(spread, std, certain)
 
 
 def sample_coherence_mean(looks: ArrayLike, coherence: ArrayLike) -> Floats:
@@ -97,44 +105,12 @@ def sample_coherence_mean(looks: ArrayLike, coherence: ArrayLike) -> Floats:
 
     At zero coherence it is the bias floor `(sqrt(pi) / 2) Gamma(L) / Gamma(L + 1/2)`.
     """
-    return 1.0 - _moments(looks, coherence)[0]
+    return sample_coherence_moments(looks, coherence)[0]
 
 
 def sample_coherence_std(looks: ArrayLike, coherence: ArrayLike) -> Floats:
     """Standard deviation of the sample coherence."""
-    return _moments(looks, coherence)[1]
-
-
-def debias_coherence(sample_coherence: ArrayLike, looks: ArrayLike) -> Floats:
-    """
-    Coherence whose mean sample coherence is `sample_coherence`: the inverse of `sample_coherence_mean`.
-
-    Values below the bias floor give 0, values of 1 and above give 1; NaN where looks is not above 1. It
-    reads a monotone table per distinct number of looks, within 1e-6 of the exact inverse.
-    """
-    g, n = np.broadcast_arrays(np.asarray(sample_coherence, dtype=np.float64), within(looks, 1.0, MOST_LOOKS))
-    result = np.full(g.shape, np.nan)
-    for value in np.unique(n[n > 1.0]):
-        chosen = n == value
-        result[chosen] = _invert(g[chosen], _inverse_mean(float(value)))
-    return result
-
-
-def _invert(g: Floats, table: CubicSpline) -> Floats:
-    with np.errstate(divide="ignore"):
-        depth = np.log(np.maximum(1.0 - g, 0.0))
-    held = np.clip(depth, table.x[0], table.x[-1])
-    log_rest = np.minimum(table(held), 0.0) + np.where(depth < held, depth - held, 0.0)
-    coherence = np.sqrt(-np.expm1(log_rest))
-    return np.where(np.isnan(g), np.nan, np.where(depth < table.x[-1], coherence, 0.0))
-
-
-@lru_cache(maxsize=256)
-def _inverse_mean(looks: float) -> CubicSpline:
-    """`log(1 - gamma^2)` against `log(1 - mean)`, both near straight lines at either end."""
-    zeta0 = 15.0 * np.linspace(1.0, 0.0, 601) ** 2
-    log_rest = -2.0 * _log_cosh(zeta0)
-    return CubicSpline(np.log(_moments(looks, np.tanh(zeta0))[0]), log_rest)
+    return sample_coherence_moments(looks, coherence)[2]
 
 
 def sample_sample_coherence(

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .conventions import MOST_LOOKS, Floats, within
+from .conventions import MOST_LOOKS, Floats, open_ratio, within
 from .envelope_pair import log_exponent_curve
 
 NODES = np.unique(np.concatenate([np.arange(2, 21), np.round(np.geomspace(21, 1.3e9, 100))])).astype(np.int64)
@@ -29,8 +29,10 @@ def wrap_error_probability(looks: ArrayLike, coherence: ArrayLike, relative_band
     magnitude in [0, 1], `relative_bandwidth` is `B / fc`, above 0 and below 2. They broadcast; NaN outside
     these ranges.
 
-    Within 1e-3 of the exact average for whole looks and rates down to 1e-9, not measured below. Real
-    looks are interpolated smoothly between whole ones.
+    Within 1e-3 of the exact average at whole looks for rates down to 1e-10, and at two and three looks for all
+    rates down to 1e-24; 2 % from there to 1e-22, the order of magnitude to 1e-38, and not resolved below.
+    Real looks are interpolated smoothly in log N. It falls with coherence and, for bands up to the centre
+    frequency, with looks and bandwidth; beyond, so few as two and three lines may alias.
     """
     return 2.0 * envelope_pair_probability(looks, coherence, relative_bandwidth)
 
@@ -42,7 +44,7 @@ def envelope_pair_probability(looks: ArrayLike, coherence: ArrayLike, relative_b
     Arguments, shapes and validity as in `wrap_error_probability`, of which it is one half.
     """
     n, gamma, ratio = np.broadcast_arrays(
-        within(looks, 1.0, MOST_LOOKS), within(coherence, 0.0, 1.0), _open_ratio(relative_bandwidth)
+        within(looks, 1.0, MOST_LOOKS), within(coherence, 0.0, 1.0), open_ratio(relative_bandwidth)
     )
     result = np.full(n.shape, np.nan)
     valid = np.isfinite(n + gamma + ratio)
@@ -50,11 +52,6 @@ def envelope_pair_probability(looks: ArrayLike, coherence: ArrayLike, relative_b
         chosen = valid & (ratio == value)
         result[chosen] = 0.5 * np.exp(-_exponent(n[chosen], gamma[chosen], float(value)))
     return result
-
-
-def _open_ratio(relative_bandwidth: ArrayLike) -> Floats:
-    ratio = within(relative_bandwidth, 0.0, 2.0)
-    return np.where((ratio > 0.0) & (ratio < 2.0), ratio, np.nan)
 
 
 def several_wraps_error_probability(
@@ -71,7 +68,7 @@ def several_wraps_error_probability(
     if wraps < 1:
         raise ValueError(f"wraps is {wraps}; it must be at least 1")
     nearest = wrap_error_probability(looks, coherence, relative_bandwidth)
-    n, gamma, ratio = np.broadcast_arrays(within(looks, 1.0, MOST_LOOKS), coherence, _open_ratio(relative_bandwidth))
+    n, gamma, ratio = np.broadcast_arrays(within(looks, 1.0, MOST_LOOKS), coherence, open_ratio(relative_bandwidth))
     total = np.array(nearest)
     for m in range(2, wraps + 1):
         near = np.isfinite(nearest) & (m * ratio <= 0.5 * n)
@@ -101,8 +98,8 @@ def _exponent(looks: Floats, gamma: Floats, ratio: float) -> Floats:
 
 
 def _stencil(looks: Floats) -> tuple[NDArray[np.int64], Floats]:
-    """First of four neighbouring nodes and their Lagrange weights in log N; below two looks, those of two."""
-    x = np.log(np.maximum(looks, 2.0))
+    """First of four neighbouring nodes and their Lagrange weights in log N, also below two looks."""
+    x = np.log(looks)
     first = np.clip(np.searchsorted(NODES, looks, side="right") - 2, 0, NODES.size - 4)
     at = np.log(NODES)[first[:, None] + np.arange(4)]
     weights = np.ones(at.shape)

@@ -3,12 +3,27 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import PchipInterpolator
+from scipy.special import erfcx
 
+from .band_lines import MAX_LINES, band_lines
 from .coherent_pair import pair_probability
 from .conventions import MOST_LOOKS, Floats, positive, signal_strength, within
 from .crlb import coherent_delay_crlb
-from .envelope_pair import MAX_LINES, band_lines
+
+Integers = NDArray[np.int64]
+
+CHUNK = 32
+PER_PERIOD = 40
+MAIN_LOBE = 128
+FLANK = 24
+ZOOMS = 6
+FEW_LOOKS = 6
+NEGLIGIBLE = 1e-7
+# The pair probability to about 1e-5.
+STEP = 0.5
+REACH = 12.0
 
 
 def ziv_zakai_delay_std(
@@ -24,8 +39,7 @@ def ziv_zakai_delay_std(
     `MSE >= int_0^T h V{(1 - h / T) P(h)} dh`: P the coherent pair at lag h, V valley filling (Bell et
     al. 1997). `looks` N is real, 1 to 1e9, `coherence` in [0, 1]; NaN outside. Frequencies [Hz] and
     prior must be finite and positive and the bandwidth below twice the centre frequency, else
-    ValueError. All broadcast; about 0.2 s for each element and ten wraps of prior. The N lines repeat
-    after `N / B`: a wider prior counts their ambiguity too.
+    ValueError. All broadcast. The N lines repeat after `N / B`: a wider prior counts their ambiguity too.
     """
     fc = positive("centre_frequency", centre_frequency, "Hz")
     b = positive("bandwidth", bandwidth, "Hz")
@@ -35,47 +49,111 @@ def ziv_zakai_delay_std(
     n, gamma, ratio, periods = np.broadcast_arrays(
         within(looks, 1.0, MOST_LOOKS), within(coherence, 0.0, 1.0), b / fc, width * fc
     )
-    result = np.full(n.shape, np.nan)
-    for i in np.ndindex(n.shape):
-        if np.isfinite(n[i] + gamma[i]):
-            result[i] = _std_in_wraps(float(n[i]), float(gamma[i]), float(ratio[i]), float(periods[i]))
+    result = np.array(0.0 * (n + gamma))
+    spread = (result == 0.0) & ((gamma < 1.0) | (n == 1.0))
+    for group in (spread & (n <= FEW_LOOKS), spread & (n > FEW_LOOKS)):
+        left = np.flatnonzero(group)
+        for some in np.array_split(left, -(-left.size // CHUNK)) if left.size else []:
+            lags = _Lags(n.flat[some], gamma.flat[some], ratio.flat[some], periods.flat[some])
+            result.flat[some] = _std_in_wraps(lags)
     return result / fc
 
 
-def _std_in_wraps(looks: float, gamma: float, ratio: float, prior: float) -> float:
-    """The bound in units of one carrier period, in which the carrier is 1 and the band `ratio` wide."""
-    if gamma == 1.0 and looks > 1.0:
-        return 0.0
-    lines = max(MAX_LINES, int(3.0 * ratio * prior) + MAX_LINES)
-    theta, shapes = band_lines(looks, ratio, lines)
-    frequency = 1.0 + theta / (2.0 * np.pi)
-    q = signal_strength(np.asarray(gamma))
-    scale = float(np.clip(coherent_delay_crlb(looks, gamma, 1.0, ratio), 1e-12, 0.25))
-    h = _lags(frequency, shapes, float(q), scale, prior)
-    p = pair_probability(np.sin(np.pi * h[:, None] * frequency) ** 2, shapes, np.broadcast_to(q, h.shape))
-    filled = np.maximum.accumulate(((1.0 - h / prior) * p)[::-1])[::-1]
-    # Exact for a filled valley that is straight between lags.
-    left, right = h[:-1], h[1:]
-    moment = (filled[:-1] * (2.0 * left + right) + filled[1:] * (left + 2.0 * right)) * (right - left) / 6.0
-    return float(np.sqrt(np.sum(moment)))
+class _Lags:
+    """Probabilities at flat lists of (element, lag), in units of the carrier period."""
 
+    def __init__(self, looks: Floats, gamma: Floats, ratio: Floats, prior: Floats) -> None:
+        position, self.shapes = band_lines(looks, MAX_LINES + int(3.0 * np.max(ratio * prior)))
+        self.frequency = 1.0 + ratio[:, None] * position
+        self.q = signal_strength(gamma)
+        self.prior = prior
+        self.scale = np.clip(coherent_delay_crlb(looks, gamma, 1.0, ratio), 1e-12, 0.25)
+        self.few = bool(np.max(looks) <= FEW_LOOKS)
 
-def _lags(frequency: Floats, shapes: Floats, q: float, scale: float, prior: float) -> Floats:
-    """Lags in [0, prior]: even ones, and dense ones about zero and about every most confusable lag."""
+    def _sine2(self, element: Integers, lag: Floats) -> Floats:
+        turns = lag[..., None] * self.frequency[element]
+        sine: Floats = np.sin(np.pi * (turns - np.rint(turns)))
+        return sine**2
 
-    def distance(lag: Floats) -> Floats:
-        total = np.zeros(lag.shape)
-        for f, shape in zip(frequency, shapes, strict=True):
-            total += shape * np.log1p(q * np.sin(np.pi * f * lag) ** 2)
+    def distance(self, element: Integers, lag: Floats) -> Floats:
+        """What makes P small: it is at most `exp(-distance) / 2`."""
+        x = self.q[element][..., None] * self._sine2(element, lag)
+        total: Floats = np.sum(self.shapes[element] * np.log1p(x), axis=-1)
         return total
 
-    even = np.linspace(0.0, prior, int(40.0 * prior) + 41)
-    d = distance(even)
-    centre = even[1:-1][(d[1:-1] <= d[:-2]) & (d[1:-1] <= d[2:])]
-    for reach in (0.03, 0.0004, 0.000006):
-        trial = centre[:, None] + reach * np.linspace(-1.0, 1.0, 201)
-        centre = np.take_along_axis(trial, np.argmin(distance(trial), axis=1)[:, None], axis=1)[:, 0]
-    dense = scale * np.sinh(np.linspace(0.0, np.arcsinh(0.5 / scale), 240))
-    about = centre[:, None] + np.concatenate([-dense[:0:-4], dense[::4]])
-    h = np.concatenate([even, dense, about.ravel()])
-    return np.unique(h[(h >= 0.0) & (h <= prior)])
+    def rarity(self, element: Integers, lag: Floats) -> Floats:
+        """About `-log((1 - h / T) 2 P(h))`, with the first term of Lugannani and Rice for P."""
+        d = self.distance(element, lag)
+        left = np.maximum(1.0 - lag / self.prior[element], 1e-300)
+        result: Floats = d - np.log(erfcx(np.sqrt(d))) - np.log(left)
+        return result
+
+    def matters(self, element: Integers, lag: Floats, distance: Floats) -> NDArray[np.bool_]:
+        """Whether P at this lag can add to the bound."""
+        result: NDArray[np.bool_] = lag**2 * np.exp(-distance) > NEGLIGIBLE * self.scale[element] ** 2
+        return result
+
+    def filled(self, element: Integers, lag: Floats) -> Floats:
+        """`(1 - h / T) P(h)`, before its valleys are filled."""
+        d = self.distance(element, lag)
+        p = 0.5 * np.exp(-d)
+        some = self.matters(element, lag, d)
+        who = element[some]
+        p[some] = pair_probability(self._sine2(who, lag[some]), self.shapes[who], self.q[who], STEP, REACH)
+        return (1.0 - lag / self.prior[element]) * p
+
+
+def _std_in_wraps(lags: _Lags) -> Floats:
+    """The bound in units of one carrier period."""
+    count = lags.prior.size
+    every = np.arange(count)
+    element, peak = _confusable_lags(lags)
+    span = np.arcsinh(0.5 / lags.scale)[:, None]
+    main = lags.scale[:, None] * np.sinh(span * np.linspace(0.0, 1.0, MAIN_LOBE))
+    # Few looks make blunt or uneven tops, of which the highest point is not known beforehand.
+    sides = np.linspace(-1.0, 1.0, 4 * FLANK + 1) if lags.few else np.linspace(0.0, 1.0, FLANK)
+    flank = (lags.scale[:, None] * np.sinh(span * sides))[element]
+    steps = np.linspace(0.5, 1.0, int(PER_PERIOD * np.max(lags.prior)) // 8 + 2) * lags.prior[:, None]
+    who = np.concatenate([np.repeat(every, MAIN_LOBE), np.repeat(element, sides.size), np.repeat(every, steps.shape[1])])
+    h = np.concatenate([main.ravel(), (peak[:, None] + flank).ravel(), steps.ravel()])
+    h = np.clip(h, 0.0, lags.prior[who])
+    order = np.lexsort((h, who))
+    who, h = who[order], h[order]
+    value = lags.filled(who, h)
+    ends = np.searchsorted(who, np.arange(count + 1))
+    return np.array([_root_moment(h[i:j], value[i:j]) for i, j in zip(ends[:-1], ends[1:], strict=True)])
+
+
+def _root_moment(h: Floats, value: Floats) -> float:
+    """Root of the integral of `h V(h)`: V between lags by monotone cubics, and each step by Simpson's rule."""
+    apart = np.diff(h, append=np.inf) > 0.0
+    h, value = h[apart], value[apart]
+    filled = np.maximum.accumulate(value[::-1])[::-1]
+    middle = 0.5 * (h[:-1] + h[1:])
+    ends = h * filled
+    with np.errstate(over="ignore"):
+        between = PchipInterpolator(h, filled)(middle)
+    steps = ends[:-1] + 4.0 * middle * between + ends[1:]
+    return float(np.sqrt(np.sum(np.diff(h) * steps) / 6.0))
+
+
+def _confusable_lags(lags: _Lags) -> tuple[Integers, Floats]:
+    """Elements and lags of the wrong delays that are easiest to mistake, beside zero."""
+    prior = lags.prior[:, None]
+    grid = np.linspace(0.0, 1.0, int(PER_PERIOD * np.max(prior)) + PER_PERIOD) * prior
+    if lags.few:
+        # Strong lines alone are blind at their own periods, over widths that no even grid finds.
+        turns = np.arange(1.0, 2.0 * np.max(prior) + 1.0)
+        own = (turns[:, None] / lags.frequency[:, None, :]).reshape(prior.size, -1)
+        grid = np.sort(np.concatenate([grid, np.minimum(own, prior)], axis=1), axis=1)
+    d = lags.rarity(np.broadcast_to(np.arange(prior.size)[:, None], grid.shape), grid)
+    at, column = np.nonzero((d[:, 1:-1] < d[:, :-2]) & (d[:, 1:-1] <= d[:, 2:]))
+    peak = grid[at, column + 1]
+    reach = np.maximum(peak - grid[at, column], grid[at, column + 2] - peak)
+    for _ in range(ZOOMS):
+        trial = peak[:, None] + reach[:, None] * np.linspace(-1.0, 1.0, 13)
+        best = np.argmin(lags.rarity(np.broadcast_to(at[:, None], trial.shape), trial), axis=1)[:, None]
+        peak = np.take_along_axis(trial, best, axis=1)[:, 0]
+        reach = reach / 6.0
+    some = lags.matters(at, peak, lags.distance(at, peak))
+    return at[some], peak[some]

@@ -31,40 +31,92 @@ def test_oracle() -> None:
     )
     found, expected = bounds.wrap_error_probability(*POINT), column("twice_envelope_pair")
     np.testing.assert_allclose(found[1:], expected[1:], rtol=0.01)
-    # The file's first value, .0540, is an average of its own: the exact one, here to 1e-3, is .05334.
-    assert found[0] == pytest.approx(0.05334, rel=1e-3)
+    # The file's first value, .0540, is a Monte Carlo average that lies 1.3 % high: the mean over 6e6 spectra is
+    # .05331 +- .00002, complex Gaussian lines compared at lags 0 and 1 / fc give .05327 +- .00009, and the
+    # quadrature of the next test .05331. One spectrum scatters by .054, so some 6,000 of them miss by that much.
+    assert expected[0] == 0.0540
+    assert found[0] == pytest.approx(0.05331, rel=1e-3)
+
+
+def turned(split: np.ndarray, q: float, looks: int, step: float) -> np.ndarray:
+    """
+    Twice P_env at `split = 1 - R^2`, averaged over the total power of the lines, `G0 ~ Gamma(N)`.
+
+    Simon's integral of Marcum's function, `1/2pi int sqrt(1 - R^2) exp(-kappa x) / (2 x) dpsi` with
+    `x = (1 - R cos psi) / 2`, in the eccentric anomaly eta of psi: `1/pi int_0^pi (1 + q x)^-N d eta`,
+    `x = (1 - R^2) / (2 (1 + R cos eta))`. By even steps of `log tan(eta / 2)`.
+    """
+    r = np.sqrt(1.0 - split)
+    total = np.zeros(np.shape(split))
+    for z in np.arange(-42.0, 42.0, step):
+        below = split / (1.0 + r) + 2.0 * r / (1.0 + np.exp(2.0 * z))
+        total += step / np.cosh(z) / np.pi * np.exp(-looks * np.log1p(0.5 * q * split / below))
+    return total
+
+
+def logistic(step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A share in (0, 1), what it leaves, and weights."""
+    s = np.arange(-46.0, 46.0, step)
+    share, rest = 1.0 / (1.0 + np.exp(-s)), 1.0 / (1.0 + np.exp(s))
+    return share, rest, step * share * rest
+
+
+def two_lines(q: float, ratio: float) -> float:
+    share, rest, weight = logistic(0.2)
+    return float(weight @ turned(4.0 * share * rest * np.sin(0.5 * np.pi * ratio) ** 2, q, 2, 0.2))
+
+
+def three_lines(q: float, ratio: float) -> float:
+    u, rest, outer = logistic(0.5)
+    v, other, inner = logistic(0.5)
+    first, second, third = u[:, None], rest[:, None] * v, rest[:, None] * other
+    near, far = (4.0 * np.sin(k * np.pi * ratio / 3.0) ** 2 for k in (1, 2))
+    split = near * second * (first + third) + far * first * third
+    return float((2.0 * outer * rest) @ turned(np.minimum(split, 1.0), q, 3, 0.5) @ inner)
+
+
+@pytest.mark.parametrize("ratio", [1e-4, 0.01, 0.3, 1.0, 1.9])
+@pytest.mark.parametrize("coherence", [1e-6, 0.3, 0.9, 0.999, 1.0 - 1e-6, 1.0 - 1e-12])
+def test_two_and_three_looks_meet_quadrature_over_their_powers(coherence: float, ratio: float) -> None:
+    q = coherence / (1.0 - coherence) * coherence / (1.0 + coherence)
+    found = bounds.wrap_error_probability([2, 3], coherence, ratio)
+    np.testing.assert_allclose(found, [two_lines(q, ratio), three_lines(q, ratio)], rtol=1e-3)
 
 
 def envelope_pair_twin(looks: int, coherence: float, ratio: float, draws: int, seed: int) -> tuple[float, float]:
     """Plain Monte Carlo of theory section 3: mean of 2 P_env over drawn spectra, and its standard error."""
-    theta = 2 * np.pi * ratio * np.arange(looks) / looks
+    theta = 2 * np.pi * ratio * (np.arange(looks) - 0.5 * (looks - 1)) / looks
     power = np.random.default_rng(seed).exponential(size=(draws, looks))
     total = power.sum(axis=1)
-    r = np.abs(power @ np.exp(1j * theta)) / total
-    kappa = coherence**2 * total / (1 - coherence**2)
-    spread = np.sqrt(np.maximum(1 - r**2, 0.0))
+    mean_phase = np.angle(power @ np.exp(1j * theta))
+    rest = 2.0 * np.sum(power * np.sin(0.5 * (theta - mean_phase[:, None])) ** 2, axis=1) / total
+    kappa = coherence / (1.0 - coherence) * coherence / (1.0 + coherence) * total
+    spread = np.sqrt(rest * (2.0 - rest))
+    # 1 - sqrt(1 - R^2) loses digits at small R only.
     a, b = np.sqrt(kappa / 2 * (1 - spread)), np.sqrt(kappa / 2 * (1 + spread))
     p = 2 * (ncx2.sf(b**2, 2, a**2) - 0.5 * np.exp(-0.5 * (a - b) ** 2) * ive(0, a * b))
     return float(p.mean()), float(p.std() / np.sqrt(draws))
 
 
 @pytest.mark.parametrize(
-    ("looks", "coherence", "ratio"),
+    ("looks", "coherence", "ratio", "draws"),
     [
-        (2, 0.9, 0.5),
-        (3, 0.9, 0.3),
-        (5, 0.6, 1.2),
-        (9, 0.9, 0.3),
-        (9, 0.9, 1.9),
-        (24, 0.5, 0.4),
-        (81, 0.5, 0.3),
+        (5, 0.6, 1.2, 100_000),
+        (9, 0.9, 0.3, 400_000),
+        (9, 0.9, 1.9, 100_000),
+        (24, 0.5, 0.4, 100_000),
+        (81, 0.5, 0.3, 40_000),
+        (81, 0.99, 0.004, 40_000),
+        (1000, 0.1, 0.3, 2_000),
+        (100_000, 1e-3, 1.9, 20),
+        (100_000, 0.9, 1e-3, 20),
     ],
 )
-def test_average_meets_a_plain_twin(looks: int, coherence: float, ratio: float) -> None:
-    mean, error = envelope_pair_twin(looks, coherence, ratio, 100_000, seed=looks)
-    # Five standard errors, false alarm 6e-7, beside the stated accuracy.
+def test_average_meets_a_plain_twin(looks: int, coherence: float, ratio: float, draws: int) -> None:
+    mean, error = envelope_pair_twin(looks, coherence, ratio, draws, seed=looks)
+    # Five standard errors (seven for the Student distributed means of 20), false alarm 1e-6, beside the stated accuracy.
     found = bounds.wrap_error_probability(looks, coherence, ratio)
-    assert abs(found - mean) < 5.0 * error + 1e-3 * mean
+    assert abs(found - mean) < (5.0 if draws > 100 else 7.0) * error + 1e-3 * mean
 
 
 @pytest.mark.parametrize(
@@ -87,16 +139,40 @@ def test_tails_meet_exact_quadrature(looks: int, q: float, expected: float) -> N
     assert found == pytest.approx(expected, rel=1e-3)
 
 
-@given(st.floats(1.0, 1e6), st.floats(0.0, 1.0), st.floats(1e-4, 0.9))
+@given(st.floats(1.0, 1e6), st.floats(0.0, 1.0), st.floats(1e-4, 1.9))
 @settings(max_examples=40, deadline=None)
-def test_wrap_error_falls_with_looks_coherence_and_bandwidth(looks: float, coherence: float, ratio: float) -> None:
+def test_wrap_error_falls_with_looks_and_coherence(looks: float, coherence: float, ratio: float) -> None:
     here = bounds.wrap_error_probability(looks, coherence, ratio)
     assert 0.0 <= here <= 1.0
-    assert bounds.wrap_error_probability(min(1.1 * looks, 1e6), coherence, ratio) <= here
-    assert bounds.wrap_error_probability(looks, 0.5 * (1.0 + coherence), ratio) <= here
-    assert bounds.wrap_error_probability(looks, coherence, 1.1 * ratio) <= here
+    assert bounds.wrap_error_probability(looks, 0.5 * (1.0 + coherence), ratio) <= here * (1.0 + 1e-12)
+    # A band wider than its centre frequency makes two and three lines alias, so that more looks can be worse.
+    if ratio <= 1.0 or looks >= 4.0:
+        assert bounds.wrap_error_probability(min(1.1 * looks, 1e6), coherence, ratio) <= here * (1.0 + 1e-12)
     if here > 1e-10:
         assert bounds.coherent_pair_probability(looks, coherence, ratio) <= 0.5 * here * (1.0 + 2e-3)
+
+
+@given(st.floats(1.0, 1e6), st.floats(0.0, 1.0), st.floats(1e-4, 0.9))
+@settings(max_examples=40, deadline=None)
+def test_wrap_error_falls_with_bandwidth(looks: float, coherence: float, ratio: float) -> None:
+    pair = bounds.coherent_pair_probability(looks, coherence, [ratio, 1.1 * ratio])
+    assert pair[1] <= pair[0] * (1.0 + 1e-9)
+    here, wider = bounds.wrap_error_probability(looks, coherence, [ratio, 1.1 * ratio])
+    assert wider <= here * (1.0 + 1e-3)
+
+
+@pytest.mark.parametrize("ratio", [1e-4, 0.3, 0.9])
+@pytest.mark.parametrize("coherence", [1e-3, 0.5, 0.99, 1.0 - 1e-12])
+def test_wrap_error_is_smooth_between_whole_looks(coherence: float, ratio: float) -> None:
+    n = np.concatenate([np.linspace(1.0, 40.0, 1561), np.geomspace(40.0, 1e6, 2000)])
+    with np.errstate(divide="ignore"):
+        exponent = -np.log(bounds.wrap_error_probability(n, coherence, ratio))
+    seen = (exponent < 60.0) & (n < 40.0)
+    steps = np.diff(exponent[seen])
+    assert np.all(steps > 0.0)
+    # Neighbouring slopes over a fortieth of a look differ by less than a tenth, kinks included.
+    assert np.all(np.abs(np.diff(steps)) < 0.1 * steps[1:] + 1e-9)
+    assert np.all(np.diff(exponent[exponent < 150.0]) > 0.0)
 
 
 def test_limits_and_validity() -> None:
@@ -107,9 +183,18 @@ def test_limits_and_validity() -> None:
         bounds.several_wraps_error_probability(9, 0.5, 0.3, 0)
 
 
-def test_sum_of_two_wraps_of_theory() -> None:
+def test_several_wraps() -> None:
+    # Theory section 3: one wrap .062 and two .094 at few looks; .60 for the nearest at nine.
     assert bounds.wrap_error_probability(4, 0.9, 0.6) == pytest.approx(0.062, abs=5e-4)
     assert bounds.several_wraps_error_probability(4, 0.9, 0.6, 2) == pytest.approx(0.094, abs=5e-4)
+    assert bounds.wrap_error_probability(9, 0.5, 0.3) == pytest.approx(0.60, abs=5e-3)
+    # Four lines 1/4 of .6 apart: the third wrap lies beyond 2 / .6 = 3.3 wraps of half a window, the fourth does.
+    three, four = (bounds.several_wraps_error_probability(4, 0.9, 0.6, k) for k in (3, 4))
+    far = envelope_pair_twin(4, 0.9, 1.8, 100_000, seed=4)
+    two = bounds.several_wraps_error_probability(4, 0.9, 0.6, 2)
+    assert abs(three - two - far[0]) < 5.0 * far[1] + 1e-3 * far[0]
+    assert four == three
+    assert bounds.several_wraps_error_probability(9, 0.1, 0.3, 3) == 1.0
 
 
 def test_coherent_pair_equals_the_inversion_integral() -> None:
@@ -125,17 +210,7 @@ def test_coherent_pair_equals_the_inversion_integral() -> None:
 
 
 def test_saddle_point_is_within_what_theory_says() -> None:
+    np.testing.assert_allclose(bounds.coherent_pair_probability(1.0, [1e-6, 0.5, 1.0 - 1e-12], 0.3), 0.5, rtol=1e-7)
     for n, within in ((9, 0.01), (81, 0.001)):
         exact = bounds.coherent_pair_probability(n, [0.3, 0.6, 0.9], 0.3)
         np.testing.assert_allclose(bounds.lugannani_rice_pair_probability(n, [0.3, 0.6, 0.9], 0.3), exact, rtol=within)
-
-
-def test_split_spectrum_meets_a_plain_twin() -> None:
-    rng = np.random.default_rng(11)
-    for n, g, ratio in ((9, 0.9, 0.3), (81, 0.5, 0.3), (4, 0.9, 1.2)):
-        power, noise = rng.gamma(n / 3, size=(2, 200_000)), rng.standard_normal((2, 200_000, 2)) @ [1, 1j]
-        signal = g * np.sqrt(power) + np.sqrt((1 - g**2) / 2) * noise
-        p = np.mean(np.abs(np.angle(signal[0] * signal[1].conj())) > np.pi * ratio * 2 / 3)
-        # Five standard errors: false alarm 6e-7.
-        found = bounds.split_spectrum_wrap_error_probability(n, g, ratio)
-        assert abs(found - p) < 5.0 * np.sqrt(p * (1 - p) / 200_000)
