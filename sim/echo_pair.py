@@ -131,7 +131,13 @@ class EchoPair:
         truth = self.truth
         if truth is not None and np.ndim(truth.delay) == 2:
             truth = replace(truth, delay=truth.delay[chosen])
-        return replace(self, primary=self.primary[chosen], secondary=self.secondary[chosen], truth=truth)
+        return replace(
+            self,
+            primary=self.primary[chosen],
+            secondary=self.secondary[chosen],
+            truth=truth,
+            likelihood_ratio=None if self.likelihood_ratio is None else self.likelihood_ratio[chosen],
+        )
 
     @property
     def grid(self) -> TimeGrid:

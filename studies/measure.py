@@ -72,6 +72,7 @@ def _measured(
         np.abs(reading.errors) > 0.5 / pair.bandwidth,
         half_width=NORMAL_95 * reading.of(estimate.delay_std) / wrap,
         claimed=reading.of(estimate.wrap_error_probability),
+        weights=1.0 if pair.likelihood_ratio is None else pair.likelihood_ratio[reading.rows, None],
     )
     failed = ~np.isfinite(reading.errors)
     said = dict(made.raised)

@@ -1,12 +1,12 @@
 """Homogeneous patches of speckle, as a study asks for them."""
 
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from estimators import DelayEstimate, FixedWindow, bounds
-from sim import EchoPair, Sonar, speckle_pair
+from sim import EchoPair, Sonar, rare_speckle_pair, speckle_pair
 from sim.band import Real
 from studies.quantity import Decibels, Wraps
 from studies.section import Section
@@ -26,12 +26,15 @@ class Patch(Section):
         The coherence itself, 0 to 1; either this or `snr`.
     delay
         The true delay of each trial is drawn evenly within so many wraps to either side of zero.
+    sampling
+        "direct", or "rare" for trials in which wrap errors are frequent, with weights (`sim.rare_speckle_pair`).
     """
 
     looks: Annotated[int, Field(ge=3)]
     snr: Decibels | None = None
     coherence: Annotated[float, Field(ge=0, le=1)] | None = None
     delay: Annotated[Wraps, Field(ge=0)] = 0.5
+    sampling: Literal["direct", "rare"] = "direct"
 
     @model_validator(mode="after")
     def _one_level(self) -> Self:
@@ -68,7 +71,8 @@ class Patch(Section):
 
     def simulate(self, sonar: Sonar, trials: int, rng: np.random.Generator) -> EchoPair:
         """Critically sampled records, one a row."""
-        return speckle_pair(
+        draw = speckle_pair if self.sampling == "direct" else rare_speckle_pair
+        return draw(
             (trials, self.looks),
             coherence=self.true_coherence,
             delay=rng.uniform(-self.delay, self.delay, trials) * sonar.wrap,

@@ -100,8 +100,8 @@ def predict(
     checks.within("most_wrap_errors", most_wrap_errors, 1e-12, 1.0)
     if (sediment is None) == (coherence is None):
         raise ValueError("sediment and coherence are both given or both missing; it must be one of them")
-    gamma = expected_coherence(sonar, sediment, y) if sediment is not None else np.broadcast_to(coherence, y.shape)
-    gamma = np.asarray(gamma, dtype=float)
+    of_seabed = coherence if sediment is None else expected_coherence(sonar, sediment, y)
+    gamma = np.broadcast_to(np.asarray(of_seabed, dtype=float), y.shape)
     n = np.broadcast_to(grid.looks(window) if looks is None else np.asarray(looks, dtype=float), y.shape)
     for name, values, low, high in (
         ("coherence", gamma, 0.0, 1.0),
