@@ -14,12 +14,16 @@ from studies.world import Reading
 
 
 class Patch(Section):
-    """One coherence and delay everywhere; a trial is a periodic record of as many independent samples as looks.
+    """One coherence and delay everywhere; a trial is a periodic record of a stated number of looks.
+
+    An odd number of looks is as many equal Fourier bins, critically sampled. A band of an even number has no middle
+    bin: it lies between two odd ones, its outermost bins are in part outside the band, so that
+    `(sum w)^2 / sum w^2` is the number of looks, and the record is sampled about twice as densely.
 
     Parameters
     ----------
     looks
-        Independent looks in the record, at least 3.
+        Equivalent independent looks in the record, at least 3.
     snr
         Signal-to-noise ratio of either receiver [dB]; inf for none. Gives the coherence `rho / (1 + rho)`.
     coherence
@@ -60,25 +64,34 @@ class Patch(Section):
 
     def record(self) -> tuple[int, int]:
         """Rows and samples of the window that holds one trial."""
-        return 1, self.looks
+        return 1, self.looks if self.looks % 2 else 2 * self.looks
+
+    def _time_bandwidth(self) -> float:
+        """Length of the record times the bandwidth: `x^2 = N (N - 1 + (x - N + 1)^2 / 2)` for an even number N."""
+        n = self.looks
+        if n % 2:
+            return n
+        whole = n - 1
+        root = np.sqrt((n * whole) ** 2 - (2 * n - 4) * n * (whole + whole**2 / 2))
+        return float(n * whole - root) / (n - 2)
 
     def check(self, sonar: Sonar) -> None:
         """Any sonar will do."""
 
     def shape(self, sonar: Sonar, trials: int) -> tuple[int, int]:
         """One record a trial."""
-        return trials, self.looks
+        return trials, self.record()[1]
 
     def simulate(self, sonar: Sonar, trials: int, rng: np.random.Generator) -> EchoPair:
-        """Critically sampled records, one a row."""
+        """Records, one a row."""
         draw = speckle_pair if self.sampling == "direct" else rare_speckle_pair
         return draw(
-            (trials, self.looks),
+            self.shape(sonar, trials),
             coherence=self.true_coherence,
             delay=rng.uniform(-self.delay, self.delay, trials) * sonar.wrap,
             centre_frequency=sonar.centre_frequency,
             bandwidth=sonar.bandwidth,
-            sample_rate=sonar.bandwidth,
+            sample_rate=sonar.bandwidth * self.record()[1] / self._time_bandwidth(),
             rng=rng,
         )
 

@@ -154,7 +154,13 @@ def rows() -> Iterator[Row]:
             yield "phase_std", n, g, 0.0, mp.nstr(phase_std(looks, coherence), 17)
             if n > 1:
                 for v in SHARES:
-                    yield "coherence_pdf", n, g, v, mp.nstr(coherence_pdf(mp.mpf(v), 1 - mp.mpf(v), looks, coherence), 17)
+                    yield (
+                        "coherence_pdf",
+                        n,
+                        g,
+                        v,
+                        mp.nstr(coherence_pdf(mp.mpf(v), 1 - mp.mpf(v), looks, coherence), 17),
+                    )
                 _, mean, std = coherence_moments(looks, coherence)
                 yield "coherence_mean", n, g, 0.0, mp.nstr(mean, 17)
                 yield "coherence_std", n, g, 0.0, mp.nstr(std, 17)
