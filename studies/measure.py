@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from estimators import Estimator, SplitSpectrum, bounds
+from estimators import Estimator, MaximumLikelihood, SplitSpectrum, bounds
 from sim import EchoPair, Sonar
 from studies.attempt import Attempt, attempt
 from studies.design import Task
@@ -96,7 +96,7 @@ def expected(estimator: Estimator, looks: float, world: World, sonar: Sonar) -> 
     """What theory says of an estimator, in columns of the table.
 
     `crlb` is the coherent wideband bound whatever the estimator, `ziv_zakai` the bound with wraps for a delay within
-    `1 / B` of zero [s]; `predicted_wrap_rate` is that of the estimator's kind, and `wrap` the delay of one [s].
+    `1 / B` of zero [s]; `predicted_wrap_rate` and `predicted_delay_std` are those of the estimator's kind, and `wrap` the delay of one [s].
     """
     fc, ratio, coherence = sonar.centre_frequency, sonar.relative_bandwidth, world.true_coherence
     return {
@@ -106,6 +106,7 @@ def expected(estimator: Estimator, looks: float, world: World, sonar: Sonar) -> 
         "relative_bandwidth": ratio,
         "wrap": sonar.wrap,
         "predicted_wrap_rate": predicted_wrap_rate(estimator, looks, coherence, sonar),
+        "predicted_delay_std": predicted_delay_std(estimator, looks, coherence, sonar),
         "crlb": float(bounds.coherent_delay_crlb(looks, coherence, fc, sonar.bandwidth)),
         "ziv_zakai": _ziv_zakai(looks, coherence, fc, sonar.bandwidth),
     }
@@ -118,6 +119,20 @@ def predicted_wrap_rate(estimator: Estimator, looks: float, coherence: float, so
         share = (estimator.sub_bandwidth or sonar.bandwidth / 3) / sonar.bandwidth
         return float(bounds.split_spectrum_wrap_error_probability(looks, coherence, ratio, sub_band_share=share))
     return float(bounds.wrap_error_probability(looks, coherence, ratio))
+
+
+def predicted_delay_std(estimator: Estimator, looks: float, coherence: float, sonar: Sonar) -> float:
+    """Standard deviation of an estimator of its kind in the right wrap [s].
+
+    That of the exact multilook phase where the phase refines the delay, the coherent bound for maximum likelihood, and
+    the bound of the group delay for what has no phase; of single looks, a guess within a wrap at the most.
+    """
+    fc, bandwidth = sonar.centre_frequency, sonar.bandwidth
+    if isinstance(estimator, MaximumLikelihood):
+        return float(bounds.coherent_delay_crlb(looks, coherence, fc, bandwidth))
+    if getattr(estimator, "refine", True):
+        return float(bounds.multilook_phase_std(looks, coherence)) / (2 * np.pi * fc)
+    return float(bounds.group_delay_crlb(looks, coherence, bandwidth))
 
 
 @lru_cache(maxsize=4096)

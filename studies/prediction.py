@@ -7,8 +7,9 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from estimators import bounds
-from sim import Sediment, Sonar, checks, expected_coherence
+from sim import SONARS, Sediment, Sonar, checks, expected_coherence, snr
 from sim.band import Real
+from studies.section import suggestion
 
 LARGEST = 401
 """Largest window that is proposed [pixels on a side]."""
@@ -38,6 +39,13 @@ class ImageGrid:
         """Looks in a square window, `N = alpha M^2` (paper B, equation 1)."""
         looks: Real = self.looks_per_pixel * np.square(np.asarray(pixels, dtype=float))
         return looks
+
+
+def sonar_of(name: str) -> Sonar:
+    """A sonar by its name; ValueError for an unknown one."""
+    if name not in SONARS:
+        raise ValueError(f"sonar is {name!r}; it must be {suggestion(name, SONARS)}")
+    return SONARS[name]
 
 
 def predict(
@@ -84,8 +92,8 @@ def predict(
     Returns
     -------
     DataFrame
-        A row for each range: ground_range, slant_range [m], grazing_angle [degrees], snr_db (of one receiver, that has
-        this coherence), coherence, looks, wrap_height [m], depth_std, depth_crlb [m], wrap_error_rate, best_window
+        A row for each range: ground_range, slant_range [m], grazing_angle [degrees], snr_db (of one
+        receiver; that which gives the coherence where only this is stated), coherence, looks, wrap_height [m], depth_std, depth_crlb [m], wrap_error_rate, best_window
         [pixels; 0 where even 401 do not do], best_depth_std, best_wrap_error_rate.
 
     Raises
@@ -115,13 +123,13 @@ def predict(
     best = _best_window(swath, grid, kappa, most_wrap_errors)
     proposed = np.where(best > 0, grid.looks(np.maximum(best, 1)), np.nan)
     with np.errstate(divide="ignore"):
-        snr_db = 10 * np.log10(bounds.snr_from_coherence(gamma))
+        equivalent = 10 * np.log10(bounds.snr_from_coherence(gamma))
     return pd.DataFrame(
         {
             "ground_range": y,
             "slant_range": swath.slant_range,
             "grazing_angle": np.degrees(np.arctan2(sonar.altitude, y)),
-            "snr_db": snr_db,
+            "snr_db": equivalent if sediment is None else snr(sonar, sediment, y),
             "coherence": gamma,
             "looks": n,
             "wrap_height": swath.slant_range * sonar.wavelength / sonar.baseline,

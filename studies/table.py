@@ -26,6 +26,7 @@ def row(point: Point, measurement: Measurement) -> dict[str, Any]:
     coverage = statistics.wilson(moments, "covered", "right")
     spread = statistics.std_in_wrap(moments)
     crlb = facts["crlb"] / wrap if facts["crlb"] > 0 else np.nan
+    predicted = facts["predicted_delay_std"] / wrap if facts["predicted_delay_std"] > 0 else np.nan
     parts = statistics.parts_of_mse(moments)
     return {
         **point.columns,
@@ -51,6 +52,7 @@ def row(point: Point, measurement: Measurement) -> dict[str, Any]:
         **_with_error("delay_bias", statistics.ratio(moments, "right_error", "right"), wrap),
         **_with_error("delay_std_in_wrap", spread, wrap),
         **_with_error("std_over_crlb", spread, 1 / crlb),
+        **_with_error("std_over_predicted", spread, 1 / predicted),
         "coverage": coverage.value,
         "coverage_low": coverage.low,
         "coverage_high": coverage.high,

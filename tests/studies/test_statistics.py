@@ -171,7 +171,7 @@ def test_few_dominating_weights_are_told():
 
     rng = np.random.default_rng(6)
     x, weights = importance(rng, 2000, 4.0)
-    facts = {"wrap": 1.0, "crlb": 0.1}
+    facts = {"wrap": 1.0, "crlb": 0.1, "predicted_delay_std": 0.1}
     for factor, told in ((1.0, False), (weights, True)):
         of, batches = of_errors(0.1 * x, 0 * x > 1, weights=factor)
         measurement = Measurement("a", "1x1", "", 1, facts, of, batches, 0, [], 0, 1.0)
