@@ -86,6 +86,17 @@ def test_finite_and_without_jump_in_angle_and_frequency(sediment, angle, case):
 
 
 @pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("exponent", [2.1, 2.4, 3.9, 3.99])
+def test_finite_far_outside_the_stated_ranges(model, exponent):
+    angle = np.concatenate([[1e-300, 1e-9], np.geomspace(0.01, 1, 30), np.arange(1.0, 90.0), [90 - 1e-9, 90.0]])
+    for strength_cm4 in (1e-12, 1.0, 100.0):
+        bed = SEDIMENTS["clay"].adjusted(spectral_exponent=exponent, spectral_strength_cm4=strength_cm4)
+        with np.errstate(all="raise", under="ignore"):
+            levels = strength(bed, angle, np.array([[1e-3], [1e2], [1e5], [1e7]]), model)
+        assert np.isfinite(levels).all()
+
+
+@pytest.mark.parametrize("model", MODELS)
 def test_steps_of_a_tenth_of_a_degree_over_the_catalogue(model):
     angle = np.arange(4.0, 87.0, 0.1)
     for sediment in SEDIMENTS.values():
