@@ -195,8 +195,9 @@ def test_warns_once_beyond_the_stated_band():
     warn_once.cache_clear()
     with pytest.warns(ValidityWarning, match="^apl-uw is used outside 10 to 100 kHz"):
         first = scattering_strength("sand", 20.0, 122e3)
-    # A second warning would be an error here.
-    assert scattering_strength("sand", 20.0, 122e3) == first
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert scattering_strength("sand", 20.0, 122e3) == first
     steep = SEDIMENTS["clay"].adjusted(spectral_exponent=2.2)
     with pytest.warns(ValidityWarning, match="^apl-uw is used with a spectral_exponent outside 2.4 to 3.9"):
         assert np.isfinite(scattering_strength(steep, 20.0, 100e3))
