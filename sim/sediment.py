@@ -25,7 +25,7 @@ class FluidBed:
     volume_parameter
         Volume scattering cross section over attenuation, `sigma2`.
     spectral_exponent
-        `gamma` of the roughness spectrum `W(K) = w2 (h0 K)^-gamma`, between 2 and 4.
+        `gamma` of the roughness spectrum `W(K) = w2 (h0 K)^-gamma`, 2.1 to 3.99.
     spectral_strength_cm4
         `w2` with `h0` = 1 cm [cm^4].
     grain_size_phi
@@ -65,7 +65,7 @@ class ElasticBed:
     shear_speed_ratio, shear_loss
         `nu_t`, 0 for a fluid, and the loss parameter of the shear wave, above 0 where there is one.
     spectral_exponent
-        `gamma` of the roughness spectrum `W(K) = w K^-gamma`, between 2 and 4.
+        `gamma` of the roughness spectrum `W(K) = w K^-gamma`, 2.1 to 3.99.
     spectral_strength_si
         `w` [m^(4 - gamma)].
     volume_exponent, volume_strength
@@ -103,8 +103,8 @@ class ElasticBed:
     def of_fluid(cls, bed: FluidBed) -> "ElasticBed":
         """The fluid `bed` without shear: its volume strength is `80 delta sigma2 / (pi ln 10)` at the exponent 3.
 
-        With this strength the perturbation volume scattering equals that of TR 9407 from 10
-        degrees above the critical angle, to 0.05 dB; below, it is lower by `30 log10(nu cos th)`, 3.5 dB for very coarse sand at grazing incidence.
+        With this strength the perturbation volume scattering equals that of TR 9407 from 10 degrees above the critical
+        angle, to 0.05 dB; below it, it is lower by `30 log10(nu cos th)`: 3.5 dB for very coarse sand near grazing.
         """
         return cls(
             density_ratio=bed.density_ratio,
@@ -258,5 +258,4 @@ def _check_not_negative(name: str, value: float) -> None:
 
 
 def _check_exponent(value: float) -> None:
-    if not 2 < checks.finite("spectral_exponent", value) < 4:
-        raise ValueError(f"spectral_exponent is {value:g}; it must lie between 2 and 4")
+    checks.within("spectral_exponent", value, 2.1, 3.99)

@@ -67,7 +67,10 @@ def simulate(
     """
     checks.generator(rng)
     checks.count("rows", rows)
-    amplitude = noise_amplitude(scene, snr)
+    if snr is not None:
+        checks.finite("snr", snr, "dB")
+        if scene.sediment is not None:
+            raise ValueError(f"snr is {snr:g} dB; it must be left out for a scene whose sediment gives the levels")
     if checks.finite("scatterers_per_resolution", scatterers_per_resolution) < 1:
         raise ValueError(f"scatterers_per_resolution is {scatterers_per_resolution:g}; it must be at least 1")
     if sonar.altitude <= scene.highest:
@@ -78,7 +81,7 @@ def simulate(
     band = Band(grid, sonar.bandwidth)
     spectra = scene_spectra(scene, sonar, band, rows, scatterers_per_resolution, rng)
     if scene.sediment is None:
-        primary, secondary = _with_noise(spectra, band, sonar, amplitude, rng)
+        primary, secondary = _with_noise(spectra, band, sonar, snr, rng)
     else:
         primary, secondary = _in_noise(spectra, band, sonar, rng)
     geometry = Geometry(sonar, grid.start)
@@ -95,11 +98,12 @@ def simulate(
 
 
 def _with_noise(
-    spectra: tuple[Complex, Complex], band: Band, sonar: Sonar, amplitude: float, rng: np.random.Generator
+    spectra: tuple[Complex, Complex], band: Band, sonar: Sonar, snr: float | None, rng: np.random.Generator
 ) -> tuple[Complex, Complex]:
-    """Series of echoes as strong as they are, and noise of a given rms."""
+    """Series of echoes as strong as they are, and noise `snr` below unit power, if any."""
     primary, secondary = spectra
-    if amplitude > 0:
+    if snr is not None:
+        amplitude = 10 ** (-snr / 20)
         primary += amplitude * band.noise(len(primary), rng)
         secondary += amplitude * band.noise(len(secondary), rng)
     return band.series(primary), register(secondary, band, sonar)
@@ -114,15 +118,6 @@ def _in_noise(
     primary = gain * band.series(spectra[0]) + band.series(band.noise(rows, rng))
     secondary = gain * register(spectra[1], band, sonar) + register(band.noise(rows, rng), band, sonar)
     return primary, secondary
-
-
-def noise_amplitude(scene: Scene, snr: float | None) -> float:
-    """Rms of the noise: 1 for a scene with a sediment, and for one without `10^(-snr / 20)`, or 0 where snr is None."""
-    if scene.sediment is not None:
-        if snr is not None:
-            raise ValueError(f"snr is {snr:g} dB; it must be left out for a scene whose sediment gives the levels")
-        return 1.0
-    return 0.0 if snr is None else float(10 ** (-checks.finite("snr", snr, "dB") / 20))
 
 
 def time_grid(scene: Scene, sonar: Sonar) -> TimeGrid:

@@ -119,8 +119,8 @@ SONARS: Mapping[str, Sonar] = MappingProxyType(
             assumed="bandwidth 30 kHz and sound speed 1480 m/s, which paper B does not give; water of 7 deg C and "
             "salinity 34 at 160 m, where sound goes 1480 m/s; "
             + NOT_PUBLISHED
-            + ", but for the source level, which is "
-            "tuned, as in paper B, so that coarse sand at 400 m ground range gives its SNR, -6.4 dB",
+            + "; of these the source level is tuned, as in paper B, so that coarse sand at 400 m ground range gives "
+            "its SNR, -6.4 dB",
         ),
     }
 )

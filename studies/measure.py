@@ -96,7 +96,8 @@ def expected(estimator: Estimator, looks: float, world: World, sonar: Sonar) -> 
     """What theory says of an estimator, in columns of the table.
 
     `crlb` is the coherent wideband bound whatever the estimator, `ziv_zakai` the bound with wraps for a delay within
-    `1 / B` of zero [s]; `predicted_wrap_rate` and `predicted_delay_std` are those of the estimator's kind, and `wrap` the delay of one [s].
+    `1 / B` of zero [s]; `predicted_wrap_rate` and `predicted_delay_std` [s] are those of the estimator's kind, and
+    `wrap` the delay of one [s].
     """
     fc, ratio, coherence = sonar.centre_frequency, sonar.relative_bandwidth, world.true_coherence
     return {

@@ -92,9 +92,9 @@ def predict(
     Returns
     -------
     DataFrame
-        A row for each range: ground_range, slant_range [m], grazing_angle [degrees], snr_db (of one
-        receiver; that which gives the coherence where only this is stated), coherence, looks, wrap_height [m], depth_std, depth_crlb [m], wrap_error_rate, best_window
-        [pixels; 0 where even 401 do not do], best_depth_std, best_wrap_error_rate.
+        A row for each range: ground_range, slant_range [m], grazing_angle [degrees], snr_db (of one receiver; that
+        which gives the coherence where only this is stated), coherence, looks, wrap_height [m], depth_std, depth_crlb
+        [m], wrap_error_rate, best_window [pixels; 0 where even 401 do not do], best_depth_std, best_wrap_error_rate.
 
     Raises
     ------

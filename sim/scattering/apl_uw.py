@@ -7,10 +7,10 @@ solid angle. `kappa = (1 + i delta) / nu`, `P = sqrt(kappa^2 - cos^2 th)`, `alph
 from collections.abc import Callable
 
 import numpy as np
-from scipy.special import erfc, expit, gamma
+from scipy.special import erfc, expit, gammaln
 
 from sim.band import Complex, Real
-from sim.scattering.roughness import structure_constant
+from sim.scattering.roughness import exp_within, structure_constant
 from sim.sediment import FluidBed
 
 LIMITS = {
@@ -25,6 +25,9 @@ LIMITS = {
 
 FREQUENCIES = (10e3, 100e3)
 """Frequencies that the handbook states [Hz]."""
+
+SLOPES = (1e-12, 1e6)
+"""Bounds of the rms slope, for numbers' sake."""
 
 SLOPE_NODES = ((1.224745, 0.295410), (0.0, 1.181636), (-1.224745, 0.295410))
 """Offsets in rms slopes and weights of the average over the slope of large roughness, times sqrt(pi)."""
@@ -76,8 +79,9 @@ def _vertical(bed: FluidBed, angle: Real) -> Complex:
 def _rms_slope(bed: FluidBed, k: Real) -> Real:
     """Rms slope of large roughness: `s^2 = (2 pi w)^(1/alpha) / (2 (1-alpha)) (k^2 / alpha)^((1-alpha)/alpha)`."""
     alpha = bed.spectral_exponent / 2 - 1
-    scale = (2 * np.pi * bed.spectral_strength_si) ** (1 / alpha) / (2 * (1 - alpha))
-    slope: Real = np.sqrt(scale * (k**2 / alpha) ** ((1 - alpha) / alpha))
+    log_scale = np.log(2 * np.pi * bed.spectral_strength_si) / alpha - np.log(2 * (1 - alpha))
+    log_slope2 = log_scale + (2 * np.log(k) - np.log(alpha)) * (1 - alpha) / alpha
+    slope: Real = np.clip(exp_within(log_slope2 / 2), *SLOPES)
     return slope
 
 
@@ -90,15 +94,15 @@ def _kirchhoff(bed: FluidBed, angle: Real, k: Real) -> tuple[Real, Real]:
     """
     alpha = bed.spectral_exponent / 2 - 1
     half = 1 / (2 * alpha)
-    a = (8 * alpha**2 * gamma(half + 0.5) / (gamma(0.5) * gamma(1 / alpha) * gamma(half))) ** (2 * alpha)
-    b = a ** (0.5 + half) * gamma(1 / alpha) / (2 * alpha)
+    log_a = 2 * alpha * (np.log(8 * alpha**2) + gammaln(half + 0.5) - gammaln([0.5, 2 * half, half]).sum())
+    log_b = (0.5 + half) * log_a + gammaln(1 / alpha) - np.log(2 * alpha)
     constant = structure_constant(bed.spectral_strength_si, bed.spectral_exponent)
-    qc = constant * 2 ** (1 - 2 * alpha) * k ** (2 * (1 - alpha))
+    log_qc = np.log(constant) + (1 - 2 * alpha) * np.log(2) + 2 * (1 - alpha) * np.log(k)
     nadir = np.abs(reflection(bed, np.asarray(np.pi / 2))) ** 2
-    spread = np.cos(angle) ** (4 * alpha) + a * qc**2 * np.sin(angle) ** 4
-    section = b * qc * nadir / (8 * np.pi * spread ** ((1 + alpha) / (2 * alpha)))
-    c4 = 1000 ** (1 / (1 + alpha)) * (a * qc**2) ** (1 / alpha)
-    return section, (1 / c4 + 4) ** -0.25
+    log_spread = np.logaddexp(4 * alpha * np.log(np.cos(angle)), log_a + 2 * log_qc + 4 * np.log(np.sin(angle)))
+    section = nadir / (8 * np.pi) * exp_within(log_b + log_qc - log_spread * (1 + alpha) / (2 * alpha))
+    log_c4 = np.log(1000) / (1 + alpha) + (log_a + 2 * log_qc) / alpha
+    return section, np.exp(-np.logaddexp(-log_c4, np.log(4)) / 4)
 
 
 def _bragg(bed: FluidBed, angle: Real, k: Real) -> Real:
@@ -120,7 +124,7 @@ def _slope_average(section: Callable[[Real], Real], angle: Real, slope: Real) ->
 
 def _shadowing(angle: Real, slope: Real) -> Real:
     """Share of the surface that is lit: `(1 - exp(-2 Q)) / (2 Q)`, `Q = (exp(-t^2) / sqrt(pi) - t erfc t) / (4 t)`."""
-    t = np.tan(angle) / slope
+    t = np.minimum(np.tan(angle) / slope, 3.0)
     q = (np.exp(-(t**2)) / np.sqrt(np.pi) - t * erfc(t)) / (4 * t)
     share: Real = np.where(t > 2, 1.0, -np.expm1(-2 * q) / np.where(t > 2, 1.0, 2 * q))
     return share

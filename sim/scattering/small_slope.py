@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.band import Complex, Real
-from sim.scattering.roughness import log_structure_integral, structure_constant
+from sim.scattering.roughness import exp_within, log_structure_integral, structure_constant
 from sim.sediment import ElasticBed
 
 LIMITS = {
@@ -85,7 +85,7 @@ def roughness(bed: ElasticBed, angle: Real, k: Real) -> Real:
     log_p = np.log(constant / 2) + 2 * log_q3 - 2 * alpha * log_q
     log_integral = log_structure_integral(log_p, alpha)
     amplitude2 = np.abs(_amplitude(bed, angle)) ** 2 * (k**2 / 2) ** 2
-    section: Real = amplitude2 / (2 * np.pi) * np.exp(log_integral - 2 * (log_q + log_q3))
+    section: Real = amplitude2 / (2 * np.pi) * exp_within(log_integral - 2 * (log_q + log_q3))
     return section
 
 

@@ -15,6 +15,9 @@ from sim.sediment import Sediment
 Model = Literal["apl-uw", "small-slope"]
 Component = Literal["total", "roughness", "volume"]
 
+LEAST_ANGLE = np.radians(1e-6)
+"""Grazing angles above 0 count as this at the least [rad]: strengths are below -250 dB there."""
+
 
 def scattering_strength(
     sediment: Sediment | str,
@@ -66,7 +69,7 @@ def scattering_strength(
         raise ValueError(f"frequency is {np.nanmin(frequencies):g} Hz at the least; all must be finite and above 0 Hz")
     k = 2 * np.pi * frequencies / checks.positive("sound_speed", sound_speed, "m/s")
     angle, k = np.broadcast_arrays(_folded(grazing_angle), k)
-    lit = np.where(angle > 0, angle, np.pi / 4)
+    lit = np.where(angle > 0, np.maximum(angle, LEAST_ANGLE), np.pi / 4)
     roughness, volume = _sections(found, model, lit, k, frequencies)
     section = {"total": roughness + volume, "roughness": roughness, "volume": volume}[component]
     with np.errstate(divide="ignore"):
@@ -100,7 +103,7 @@ def reflection_loss(sediment: Sediment | str, grazing_angle: ArrayLike, *, model
     found = find(sediment)
     checks.one_of("model", model, get_args(Model))
     angle = _folded(grazing_angle)
-    lit = np.where(angle > 0, angle, np.pi / 4)
+    lit = np.where(angle > 0, np.maximum(angle, LEAST_ANGLE), np.pi / 4)
     fluid = model == "apl-uw"
     coefficient = apl_uw.reflection(found.fluid, lit) if fluid else small_slope.reflection(found.solid, lit)
     loss: Real = np.where(angle > 0, -20 * np.log10(np.abs(coefficient)), np.nan)

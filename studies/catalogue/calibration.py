@@ -29,11 +29,11 @@ def answer(table: pd.DataFrame) -> str:
         worst = rows.loc[np.abs(np.log(ratio)).idxmax()]
         spread = (rows.delay_std_in_wrap / rows.predicted_delay_std)[rows.wrap_rate < 0.1]
         said.append(
-            f"{name}: the predicted wrap-error rate lies within the 95 % interval at {inside.mean():.0%} of {len(rows)} "
-            f"points and within it or 5 % of it at {good.mean():.0%}; simulated over predicted is at worst "
-            f"{worst.wrap_rate / worst.predicted_wrap_rate:.2f}, for {worst.looks:.0f} looks, B/fc = "
-            f"{worst.relative_bandwidth:g} and a rate of {worst.wrap_rate:.1e}{_where(rows[~good])}; the in-wrap spread "
-            f"is {spread.min():.2f} to {spread.max():.2f} times the predicted one at rates below .1"
+            f"{name}: the predicted wrap-error rate lies in the 95 % interval at {inside.mean():.0%} of {len(rows)} "
+            f"points, within it or 5 % of it at {good.mean():.0%}{_where(rows[~good])}; simulated over predicted is at "
+            f"worst {ratio[worst.name]:.2f}, for {worst.looks:.0f} looks, B/fc = {worst.relative_bandwidth:g} and a rate"
+            f" of {worst.wrap_rate:.1e}; the in-wrap spread is {spread.min():.2f} to {spread.max():.2f} times the "
+            f"predicted one at rates below .1"
         )
     return ". ".join(said) + "."
 
@@ -42,7 +42,7 @@ def _where(rows: pd.DataFrame) -> str:
     if rows.empty:
         return ""
     by_band = rows.groupby("relative_bandwidth").size()
-    return ", it fails at " + ", ".join(f"{n} points of B/fc = {band:g}" for band, n in by_band.items())
+    return " (not at " + ", ".join(f"{n} of B/fc = {band:g}" for band, n in by_band.items()) + ")"
 
 
 def reliability(table: pd.DataFrame, examples: Examples) -> Figure:

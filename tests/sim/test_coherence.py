@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,12 +16,18 @@ def test_channel_noise():
 
 
 @pytest.mark.parametrize(
-    ("sonar", "slant", "loss", "digit"),
-    # Theory, section 7, to the last digit given; the exact shift is less by D / (4 H) or more by it of itself.
-    [(NEAR, 15.5, 0.031, 5e-4), (NEAR, 30.0, 0.0083, 1e-4), (NEAR, 100.0, 7.5e-4, 1e-5), (FAR, 400.0, 1.6e-4, 1e-5)],
+    ("altitude", "slant", "loss", "digit"),
+    # Theory, section 7, at 100 kHz; half of its last digit, and 0.01 of the loss for D / (4 H), which it leaves out.
+    [
+        (15, 15.5, 0.031, 8e-4),
+        (15, 30, 0.0083, 1.3e-4),
+        (15, 100, 7.5e-4, 1.3e-5),
+        (42, 60, 0.0058, 1e-4),
+        (42, 400, 1.3e-4, 6e-6),
+    ],
 )
-def test_baseline(sonar, slant, loss, digit):
-    assert 1 - baseline_coherence(sonar, slant) == pytest.approx(loss, abs=digit)
+def test_baseline(altitude, slant, loss, digit):
+    assert 1 - baseline_coherence(replace(NEAR, altitude=altitude), slant) == pytest.approx(loss, abs=digit)
 
 
 def test_baseline_loss_is_the_derivative_of_the_delay():

@@ -117,7 +117,10 @@ GOOD = vars(SEDIMENTS["clay"].fluid)
     [
         (lambda: FluidBed(**{**GOOD, "density_ratio": 0.0}), "density_ratio is 0; it must be above 0"),
         (lambda: FluidBed(**{**GOOD, "volume_parameter": -1.0}), "volume_parameter is -1; it must not be below 0"),
-        (lambda: FluidBed(**{**GOOD, "spectral_exponent": 4.0}), "spectral_exponent is 4; it must lie between 2 and 4"),
+        (
+            lambda: FluidBed(**{**GOOD, "spectral_exponent": 4.0}),
+            "spectral_exponent is 4; it must lie between 2.1 and 3.99",
+        ),
         (lambda: SEDIMENTS["rock"].adjusted(shear_loss=0.0), "shear_loss is 0; it must be above 0"),
         (
             lambda: SEDIMENTS["rock"].adjusted(level_offset=np.nan),

@@ -41,7 +41,6 @@ def test_preset_of_paper_b_is_tuned_to_its_data():
     assert snr(HISAS, "coarse sand", 400.0) == pytest.approx(-6.4, abs=0.001)
 
 
-@pytest.mark.filterwarnings("ignore::sim.ValidityWarning")
 def test_snr_varies_by_more_than_40_db_over_the_swath():
     # Paper B: "more than 40 dB over the desired ground range interval for some of the seabed types".
     ground_range = np.linspace(42.0, 400.0, 300)

@@ -47,7 +47,6 @@ def measured(pair, starts):
 @pytest.mark.parametrize(
     ("name", "model"), [("coarse sand", "small-slope"), ("silt", "small-slope"), ("rock", "apl-uw")]
 )
-@pytest.mark.filterwarnings("ignore::sim.ValidityWarning")
 def test_debiased_coherence_follows_the_prediction_over_the_whole_swath(name, model):
     scene = Scene((35.0, 412.0), sediment=name, scattering=model)
     pair = simulate(scene, SONAR, rng=np.random.default_rng(20261124), rows=ROWS)

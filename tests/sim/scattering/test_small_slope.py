@@ -1,15 +1,10 @@
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+import small_slope_twin as twin
 
 from sim import SEDIMENTS, reflection_loss, scattering_strength
 from sim.scattering import small_slope
 from sim.sediment import ElasticBed
-
-sys.path.insert(0, str(Path(__file__).parent))
-import small_slope_twin as twin
 
 ELASTIC = [name for name, sediment in SEDIMENTS.items() if sediment.elastic]
 FLUID = [name for name, sediment in SEDIMENTS.items() if not sediment.elastic]
@@ -66,6 +61,17 @@ def test_roughness_and_reflection_equal_the_slow_twin(name, angle):
     assert strength == pytest.approx(twin.roughness_db(bed, angle, 122e3), abs=1e-6)
     loss = -20 * float(twin.mp.log10(abs(twin.waves(bed, twin.mp.radians(angle))[-1])))
     assert reflection_loss(name, angle, model="small-slope") == pytest.approx(loss, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ELASTIC)
+@pytest.mark.parametrize("angle", [0.01, 8.0, 40.0, 55.0, 64.0, 90.0])
+@pytest.mark.parametrize("exponent", [3.0, 3.3])
+def test_volume_equals_the_slow_twin(name, angle, exponent):
+    sediment = SEDIMENTS[name].adjusted(volume_exponent=exponent)
+    k = 2 * np.pi * 122e3 / 1500
+    saturated = 10 * np.log10(1 / (1 / 0.1 + 1 / twin.elastic_volume(sediment.solid, angle, k)))
+    strength = scattering_strength(sediment, angle, 122e3, model="small-slope", component="volume")
+    assert strength == pytest.approx(saturated, abs=1e-6)
 
 
 @pytest.mark.parametrize("name", FLUID)

@@ -86,6 +86,17 @@ def test_finite_and_without_jump_in_angle_and_frequency(sediment, angle, case):
 
 
 @pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("exponent", [2.1, 2.4, 3.9, 3.99])
+def test_finite_far_outside_the_stated_ranges(model, exponent):
+    angle = np.concatenate([[1e-300, 1e-9], np.geomspace(0.01, 1, 30), np.arange(1.0, 90.0), [90 - 1e-9, 90.0]])
+    for strength_cm4 in (1e-12, 1.0, 100.0):
+        bed = SEDIMENTS["clay"].adjusted(spectral_exponent=exponent, spectral_strength_cm4=strength_cm4)
+        with np.errstate(all="raise", under="ignore"):
+            levels = strength(bed, angle, np.array([[1e-3], [1e2], [1e5], [1e7]]), model)
+        assert np.isfinite(levels).all()
+
+
+@pytest.mark.parametrize("model", MODELS)
 def test_steps_of_a_tenth_of_a_degree_over_the_catalogue(model):
     angle = np.arange(4.0, 87.0, 0.1)
     for sediment in SEDIMENTS.values():
@@ -184,8 +195,9 @@ def test_warns_once_beyond_the_stated_band():
     warn_once.cache_clear()
     with pytest.warns(ValidityWarning, match="^apl-uw is used outside 10 to 100 kHz"):
         first = scattering_strength("sand", 20.0, 122e3)
-    # A second warning would be an error here.
-    assert scattering_strength("sand", 20.0, 122e3) == first
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert scattering_strength("sand", 20.0, 122e3) == first
     steep = SEDIMENTS["clay"].adjusted(spectral_exponent=2.2)
     with pytest.warns(ValidityWarning, match="^apl-uw is used with a spectral_exponent outside 2.4 to 3.9"):
         assert np.isfinite(scattering_strength(steep, 20.0, 100e3))

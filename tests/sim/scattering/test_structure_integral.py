@@ -1,16 +1,12 @@
 import contextlib
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+import small_slope_twin as twin
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim.scattering.roughness import HIGHEST, LOWEST, log_structure_integral, structure_integral
-
-sys.path.insert(0, str(Path(__file__).parent))
-import small_slope_twin as twin
 
 # alpha of the exponents 2.4 to 3.9.
 ALPHAS = [0.2, 0.27, 0.375, 0.5, 0.625, 0.75, 0.95]

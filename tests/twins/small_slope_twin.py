@@ -85,6 +85,51 @@ def roughness_db(bed, degrees, frequency, sound_speed=1500.0):
     return float(10 * mp.log10(section))
 
 
+def elastic_volume(bed, degrees, k=1.0):
+    """Perturbation volume scattering of an elastic solid, before saturation, with vectors of three components."""
+    angle = mp.radians(mp.mpf(degrees))
+    rho, ap, at, *_ = waves(bed, angle)
+    g1, g2, g3 = bed.density_fluctuation, bed.compressional_speed_fluctuation, bed.shear_speed_fluctuation
+    density, mu = rho * g1, rho * at**2 * (g1 + 2 * g3)
+    lame = rho * ap**2 * (g1 + 2 * g2) - 2 * mu
+    incoming = refracted(bed, angle, (1, 0))
+    # The scattered wave goes back along (-1, 0); by reciprocity one comes from the receiver along minus that.
+    outgoing = refracted(bed, angle, (1, 0))
+    pairs = []
+    for kind, (k1, u) in incoming.items():
+        for other, (h, v) in outgoing.items():
+            strength = density * dot(u, v) + lame * dot(k1, u) * dot(h, v)
+            strength += mu * (dot(k1, h) * dot(u, v) + dot(k1, v) * dot(h, u))
+            pairs.append(((1 if kind == other else -1) * strength, -(k1[2] + h[2])))
+    total = mp.mpf(0)
+    for one, vertical in pairs:
+        for other, beyond in pairs:
+            change2 = 4 * mp.cos(angle) ** 2 + (mp.re(vertical + beyond) / 2) ** 2 + mp.mpf(10) ** -6
+            spectrum = bed.volume_strength * change2 ** (-mp.mpf(bed.volume_exponent) / 2)
+            total += mp.re(one * mp.conj(other) * spectrum * 1j / (vertical - mp.conj(beyond)))
+    return float(mp.pi / 2 * total * mp.mpf(k) ** (3 - bed.volume_exponent))
+
+
+def refracted(bed, angle, along):
+    """Wavenumbers and displacements (x, y, z up) of the waves in the sediment, for a wave along `along`."""
+    _, _, at, c, s, p, t, c2, z, v = waves(bed, angle)
+    a = -(1 + v) * c2 * s / (p * z)
+    b = 2 * c * p * at**2 * a / c2
+
+    def vector(horizontal, up):
+        return [horizontal * along[0], horizontal * along[1], up]
+
+    kp = vector(c, -p)
+    return {
+        "P": (kp, [1j * a * part for part in kp]),
+        "S": (vector(c, -t), [1j * b * part for part in vector(t, c)]),
+    }
+
+
+def dot(x, y):
+    return sum(one * other for one, other in zip(x, y, strict=True))
+
+
 def fluid(bed, degrees):
     """`cos t`, `sin t`, `kappa`, `P` and `1 + R` of a fluid."""
     angle = mp.radians(mp.mpf(degrees))
