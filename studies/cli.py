@@ -2,6 +2,7 @@
 
 import sys
 import tomllib
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import chain, count
@@ -40,7 +41,8 @@ def list_studies() -> None:
     for name in catalogue.NAMES:
         study = catalogue.study(name)
         console.print(f"{name}: {study.question}", soft_wrap=True)
-        console.print(f"  estimators: {', '.join(section.name for section in study.estimators)}", soft_wrap=True)
+        if study.estimators:
+            console.print(f"  estimators: {', '.join(section.name for section in study.estimators)}", soft_wrap=True)
         for axis in study.axes:
             for key, values in axis.items():
                 console.print(f"  --set {key}={','.join(str(value) for value in values)}", soft_wrap=True)
@@ -57,6 +59,8 @@ def check(
         design = engine.check(study)
         trials = study.trials
         console.print(f"{study.name}: {study.question}", soft_wrap=True)
+        if not design:
+            return
         console.print(f"{len(design)} design points of up to {trials.count} trials, in blocks of {trials.block}")
         for method in methods(study, design[0]):
             console.print(f"  {' '.join(method.labels)}: {method.section.method}", soft_wrap=True)
@@ -287,4 +291,9 @@ def _one_line_errors() -> Iterator[None]:
 
 def main() -> None:
     """Run the command line."""
+    warnings.showwarning = _one_line_warning
     app()
+
+
+def _one_line_warning(message: Warning | str, *_: object) -> None:
+    print(f"twinecho: warning: {' '.join(str(message).split())}", file=sys.stderr)

@@ -5,16 +5,17 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
+import pandas as pd
 from pydantic import ValidationError
 
 from sim import Sonar
+from studies.levels import Levels
 from studies.method import Method, methods_of
 from studies.patch import Patch
-from studies.section import complaint, plain
+from studies.section import Section, complaint, plain
 from studies.seeds import canonical
-from studies.sonar_section import SonarSection
 from studies.study import Study
 from studies.swath import Swath
 
@@ -48,10 +49,8 @@ class Point:
 
     @cached_property
     def columns(self) -> dict[str, Any]:
-        """What varies, by the last part of its key where that is enough to tell it."""
-        short = [key.rpartition(".")[2] for key in self.varied]
-        names = [name if short.count(name) == 1 else key for name, key in zip(short, self.varied, strict=True)]
-        return dict(zip(names, self.varied.values(), strict=True))
+        """What varies, by column of the table."""
+        return columns_of(self.varied)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,21 +63,53 @@ class Task:
 
 
 def points(study: Study) -> Iterator[Point]:
-    """The design points of a study: all combinations of its axes, then the further ones; those that differ.
+    """The design points of a study that simulates: all combinations of its axes, then the further ones, each once.
 
     Raises
     ------
     ValueError
         For a point whose values cannot be; names the key, the value and what is allowed.
     """
-    seen: set[str] = set()
-    number = 0
+    for number, resolved in enumerate(_resolved(study)):
+        world = resolved.section
+        assert isinstance(world, Patch | Swath)
+        try:
+            world.check(resolved.sonar)
+        except ValueError as error:
+            raise ValueError(f"{study.name}: {study.kind}: {error}") from None
+        yield Point(number, resolved.varied, resolved.sonar, world, resolved.plain)
+
+
+def computed(study: Study) -> Iterator[tuple[Mapping[str, Any], pd.DataFrame]]:
+    """Of a study that simulates nothing, what varies at each design point, by column, and the table there."""
+    for resolved in _resolved(study):
+        assert isinstance(resolved.section, Levels)
+        yield columns_of(resolved.varied), resolved.section.table(resolved.sonar)
+
+
+def columns_of(varied: Mapping[str, Any]) -> dict[str, Any]:
+    """What varies, by the last part of its key where that is enough to tell it."""
+    short = [key.rpartition(".")[2] for key in varied]
+    names = [name if short.count(name) == 1 else key for name, key in zip(short, varied, strict=True)]
+    return dict(zip(names, varied.values(), strict=True))
+
+
+class _Resolved(NamedTuple):
+    varied: Mapping[str, Any]
+    sonar: Sonar
+    section: Section
+    plain: Mapping[str, Any]
+
+
+def _resolved(study: Study) -> Iterator[_Resolved]:
+    """Sonar and section of every design point, in order and without repeats."""
+    seen: set[bytes] = set()
     for varied in _varied(study):
-        point = _point(study, number, varied)
-        if point.key not in seen:
-            seen.add(point.key)
-            number += 1
-            yield point
+        found = _with_values(study, varied)
+        identity = canonical(found.plain)
+        if identity not in seen:
+            seen.add(identity)
+            yield found
 
 
 def _varied(study: Study) -> Iterator[dict[str, Any]]:
@@ -91,36 +122,30 @@ def _varied(study: Study) -> Iterator[dict[str, Any]]:
     yield from (dict(point) for point in study.points)
 
 
-def _point(study: Study, number: int, varied: Mapping[str, Any]) -> Point:
-    name, kind = ("patch", Patch) if study.patch is not None else ("scene", Swath)
-    tree = {
-        "sonar": study.sonar.model_dump(exclude_none=True, exclude_unset=True),
-        name: getattr(study, name).model_dump(exclude_none=True, exclude_unset=True),
-    }
+def _with_values(study: Study, varied: Mapping[str, Any]) -> _Resolved:
+    """The sections of a study with some values replaced; ValueError in one line where they cannot be."""
+    sections = {"sonar": study.sonar, study.kind: getattr(study, study.kind)}
+    trees = {name: given.model_dump(exclude_none=True, exclude_unset=True) for name, given in sections.items()}
     for key, value in varied.items():
-        section, _, field = key.partition(".")
-        tree[section][field] = value
+        name, _, field = key.partition(".")
+        trees[name][field] = value
     # One of two ways to say the same replaces the other.
-    if "patch.snr" in varied:
-        tree[name].pop("coherence", None)
-    if "patch.coherence" in varied:
-        tree[name].pop("snr", None)
-    section = "sonar"
+    for key, other in (("patch.snr", "coherence"), ("patch.coherence", "snr")):
+        if key in varied and f"patch.{other}" not in varied:
+            trees["patch"].pop(other, None)
+    found: dict[str, Any] = {}
+    name = ""
     try:
-        sonar_section = SonarSection.model_validate(tree["sonar"])
-        sonar = sonar_section.sonar()
-        section = name
-        world = kind.model_validate(tree[name])
-        world.check(sonar)
+        for name, tree in trees.items():
+            found[name] = type(sections[name]).model_validate(tree)
+        name = "sonar"
+        sonar = found[name].sonar()
     except ValidationError as error:
-        model = SonarSection if section == "sonar" else kind
-        raise ValueError(f"{study.name}: {section}.{complaint(error, model)}") from None
+        raise ValueError(f"{study.name}: {name}.{complaint(error, type(sections[name]))}") from None
     except ValueError as error:
-        raise ValueError(f"{study.name}: {section}: {error}") from None
-    sections = {"sonar": sonar_section, name: world}
-    echoes = {part: plain(model) for part, model in sections.items()}
-    values = {key: getattr(sections[key.partition(".")[0]], key.partition(".")[2]) for key in varied}
-    return Point(number, values, sonar, world, echoes)
+        raise ValueError(f"{study.name}: {name}: {error}") from None
+    values = {key: getattr(found[key.partition(".")[0]], key.partition(".")[2]) for key in varied}
+    return _Resolved(values, sonar, found[study.kind], {name: plain(given) for name, given in found.items()})
 
 
 def blocks(study: Study) -> int:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from studies import manifest, seeds
 from studies.blocks import Store
-from studies.design import Point, Task, blocks, methods, points, task
+from studies.design import Point, Task, blocks, computed, methods, points, task
 from studies.measure import measure
 from studies.method import Method
 from studies.parallel import BACKENDS, one_thread, parallel
@@ -87,13 +87,17 @@ class Run:
 
 
 def check(study: Study) -> list[Point]:
-    """The design points of a study, each of which can be simulated and estimated.
+    """The design points of a study, each of which can be simulated and estimated; none where nothing is simulated.
 
     Raises
     ------
     ValueError
         For a point, a window or an estimator that cannot be; names what was given and what is allowed.
     """
+    if study.kind == "levels":
+        for _ in computed(study):
+            pass
+        return []
     found = list(points(study))
     for point in found:
         made = methods(study, point)

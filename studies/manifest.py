@@ -12,7 +12,7 @@ from typing import Any
 
 from studies.section import plain
 from studies.seeds import canonical
-from studies.study import Study, made
+from studies.study import KINDS, Study, made
 
 NAME = "manifest.json"
 
@@ -40,7 +40,7 @@ def fixed(study: Study, seed: int) -> dict[str, Any]:
     tree = plain(study)
     values = {
         f"{section}.{key}": value
-        for section in ("sonar", "patch", "scene")
+        for section in ("sonar", *KINDS)
         for key, value in tree.get(section, {}).items()
         if f"{section}.{key}" not in axes
     }
@@ -67,7 +67,8 @@ def begin(study: Study, seed: int, folder: Path) -> None:
         if differing:
             changes = ", ".join(f"{key} was {known[key]}, is {now[key]}" for key in differing)
             raise ValueError(f"{folder} holds a run of another design: {changes}; take --fresh or another --out")
-        tree["estimators"] = _together(before["study"]["estimators"], tree["estimators"])
+        if "estimators" in tree:
+            tree["estimators"] = _together(before["study"]["estimators"], tree["estimators"])
         now = {**{key: known[key] for key in known if key.startswith("estimators.")}, **now}
     folder.mkdir(parents=True, exist_ok=True)
     written = {

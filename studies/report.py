@@ -9,7 +9,7 @@ import pandas as pd
 
 from studies.blocks import Store
 from studies.comparison import Comparison
-from studies.design import Point, methods, points
+from studies.design import Point, computed, methods, points
 from studies.drawing import Examples
 from studies.measurement import Measurement
 from studies.named import imported
@@ -43,7 +43,9 @@ class Result:
     @property
     def warnings(self) -> list[str]:
         """What a reader must know of the table: rows that rest on few weights, and failures."""
-        said = []
+        said: list[str] = []
+        if "trials" not in self.table:
+            return said
         few = int(self.table.few_dominate.sum())
         if few:
             said.append(f"in {few} of {len(self.table)} rows a few trials have most of the weight (few_dominate)")
@@ -61,6 +63,9 @@ def result(study: Study, store: Store) -> Result:
     ValueError
         Where no block is there.
     """
+    if study.kind == "levels":
+        tables = [found.assign(**columns)[[*columns, *found.columns]] for columns, found in computed(study)]
+        return Result(pd.concat(tables, ignore_index=True), pd.DataFrame(), pd.DataFrame(), [])
     rows: list[dict[str, Any]] = []
     differences: list[dict[str, Any]] = []
     failures: list[dict[str, Any]] = []

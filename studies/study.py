@@ -8,6 +8,7 @@ from typing import Annotated, Any, Self
 from pydantic import Field, ValidationError, model_validator
 
 from studies.drawing import FigureSection, SummarySection
+from studies.levels import Levels
 from studies.method import EstimatorSection
 from studies.patch import Patch
 from studies.section import Section, complaint, model_at, suggestion
@@ -58,6 +59,9 @@ class Trials(Section):
     until: Until | None = None
 
 
+KINDS = ("patch", "scene", "levels")
+"""Sections of which a study has one."""
+
 Axis = Mapping[str, Annotated[tuple[Any, ...], Field(min_length=1)]]
 
 
@@ -72,10 +76,10 @@ class Study(Section):
         What it asks, in a sentence.
     sonar
         The sonar.
-    patch, scene
-        What is simulated: one of the two.
+    patch, scene, levels
+        What is simulated, or only computed: one of the three.
     estimators
-        What is compared, all on the same echoes.
+        What is compared, all on the same echoes; none where nothing is simulated.
     axes
         What is varied. Each is a table of keys with lists of values; keys of one table vary together and their lists
         are as long as each other, and the design points are all combinations of the tables. A key is written with its
@@ -97,10 +101,11 @@ class Study(Section):
     sonar: SonarSection
     patch: Patch | None = None
     scene: Swath | None = None
-    estimators: Annotated[tuple[EstimatorSection, ...], Field(min_length=1)]
+    levels: Levels | None = None
+    estimators: tuple[EstimatorSection, ...] = ()
     axes: tuple[Axis, ...] = ()
     points: tuple[Mapping[str, Any], ...] = ()
-    trials: Trials
+    trials: Trials = Trials(count=1, block=1)
     answer: str | None = None
     summary: SummarySection = SummarySection()
     figures: tuple[FigureSection, ...] = ()
@@ -108,8 +113,7 @@ class Study(Section):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        if (self.patch is None) == (self.scene is None):
-            raise ValueError("patch and scene are both given or both missing; it must be one of them")
+        self._check_what()
         names = [section.name for section in self.estimators]
         for name in names:
             if names.count(name) > 1:
@@ -129,10 +133,26 @@ class Study(Section):
                 self._check_axis(key)
         return self
 
+    @property
+    def kind(self) -> str:
+        """Name of the section that says what is simulated or computed."""
+        return next(name for name in KINDS if getattr(self, name) is not None)
+
+    def _check_what(self) -> None:
+        """ValueError unless one thing is simulated or computed, with what that needs."""
+        given = [name for name in KINDS if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(f"{' and '.join(given) or 'none'} of {', '.join(KINDS)} is given; it must be one of them")
+        for name in ("estimators", "trials"):
+            if (given != ["levels"]) and not (name in self.model_fields_set and getattr(self, name)):
+                raise ValueError(f"{name} is missing; it must be given")
+            if given == ["levels"] and name in self.model_fields_set:
+                raise ValueError(f"{name} is given beside levels; it must not be, as nothing is simulated")
+
     def _check_axis(self, key: str) -> None:
         """ValueError unless a key names something that decides the echoes."""
         section, _, rest = key.partition(".")
-        there = ["sonar", "patch" if self.patch is not None else "scene"]
+        there = ["sonar", self.kind]
         names = [f"{name}.{field}" for name in there for field in model_at(Study, [name]).model_fields]
         if section not in there or key not in names or not rest:
             raise ValueError(f"axes has {key!r}; it must be {suggestion(key, names)}")
@@ -176,8 +196,8 @@ class Study(Section):
         for name in names:
             if name not in known:
                 raise ValueError(f"estimator is {name!r}; of {self.name} it must be {suggestion(name, known)}")
-        kept = tuple(section for section in self.estimators if not names or section.name in names)
-        return self.model_copy(update={"estimators": kept})
+        kept = tuple(section for section in self.estimators if section.name in names)
+        return self.model_copy(update={"estimators": kept}) if names else self
 
 
 def made(tree: Mapping[str, Any], source: str) -> Study:
