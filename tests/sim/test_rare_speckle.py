@@ -44,9 +44,11 @@ def lines(pair, samples):
 
 @kind
 @pytest.mark.parametrize("coherence", [0.2, 0.9, 0.999, 1 - 1e-9])
-def test_the_mean_ratio_is_one_and_none_exceeds_its_bound(errors, coherence):
-    # Five standard errors of 20,000 ratios: a false-alarm rate of 6e-7 each.
-    ratio = patch(20_000, coherence=coherence, errors=errors, plain_share=0.3).likelihood_ratio
+@pytest.mark.parametrize(("samples", "sample_rate"), [(9, B), (17, 1.8 * B)])
+def test_the_mean_ratio_is_one_and_none_exceeds_its_bound(errors, coherence, samples, sample_rate):
+    # Five standard errors of 20,000 ratios: a false-alarm rate of 6e-7 each. The outermost bins are full, or part full.
+    options = {"sample_rate": sample_rate, "errors": errors, "plain_share": 0.3}
+    ratio = patch(20_000, samples, coherence=coherence, **options).likelihood_ratio
     assert ratio.mean() == pytest.approx(1.0, abs=5 * ratio.std() / np.sqrt(ratio.size))
     assert ratio.max() <= 1 / 0.3
     assert ratio.min() >= 0
