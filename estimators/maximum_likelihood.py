@@ -20,8 +20,8 @@ class MaximumLikelihood:
     series with one coherence over the band (Knapp and Carter 1976, with the carrier kept). It tells the wrap as the
     cross-correlation does, and within the wrap it reaches the coherent bound with fewer looks.
 
-    The search visits every wrap, so that its cost grows with `fc / B`. Its peaks are off the definition by what the
-    polynomial through the lag products is, at most 6e-5 of the height with four lags in `1 / B`.
+    The search visits every wrap, so that its cost grows with `fc / B`. Its peaks are those of the definition within
+    1e-5 wraps with four lags in `1 / B`, 3e-8 with eight, and to rounding with 32.
 
     Parameters
     ----------

@@ -54,10 +54,10 @@ def rare_speckle_pair(
     Measured with 20,000 rows at rates of 1e-6 and 1e-8, from 9 to 243 looks and B / fc of .1 to .6: standard errors of
     2 to 6 % of the rate for every estimator with its kind of error, and decisions between two delays down to 1e-10
     agree with their exact probabilities. Common rates cost no more rows than plain speckle does, at most `1 / a` times
-    as many. Limits: errors that no rival stands for, such as those of a coarse interpolation, have weights up to
-    `1 / a`, and some such rows, if any, make up most of the rate (3 looks; B / fc above 1, where standard errors are 6
-    to 20 %): look at the effective number. Windows much shorter than the record, which see few of its bins, gain
-    little; a window of several rows has no ratio.
+    as many. Limits: errors that no rival stands for, such as those of a coarse interpolation or of a climb to the
+    nearest peak in bands of B / fc above 1, have weights up to `1 / a`, and one such row can make up most of the rate:
+    look at the effective number (3 looks at 1e-6 are not reached). Windows much shorter than the record, which see few
+    of its bins, gain little; a window of several rows has no ratio.
 
     Parameters
     ----------

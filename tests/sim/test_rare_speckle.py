@@ -15,7 +15,7 @@ ERRORS = {
     "sub-bands": (SubBandErrors(),),
     "phase": (PhaseErrors(0.3 / FC),),
     "phase, cancelled": (PhaseErrors(-0.1 / FC),),
-    "all": (DelayErrors(1, 3), SubBandErrors(B / 4, 3), PhaseErrors(-0.45 / FC)),
+    "all": (DelayErrors((1.0, 1.5), 3), SubBandErrors(B / 4, 3), PhaseErrors(-0.45 / FC)),
 }
 kind = pytest.mark.parametrize("errors", ERRORS.values(), ids=ERRORS)
 
@@ -44,9 +44,11 @@ def lines(pair, samples):
 
 @kind
 @pytest.mark.parametrize("coherence", [0.2, 0.9, 0.999, 1 - 1e-9])
-def test_the_mean_ratio_is_one_and_none_exceeds_its_bound(errors, coherence):
-    # Five standard errors of 20,000 ratios: a false-alarm rate of 6e-7 each.
-    ratio = patch(20_000, coherence=coherence, errors=errors, plain_share=0.3).likelihood_ratio
+@pytest.mark.parametrize(("samples", "sample_rate"), [(9, B), (17, 1.8 * B)])
+def test_the_mean_ratio_is_one_and_none_exceeds_its_bound(errors, coherence, samples, sample_rate):
+    # Five standard errors of 20,000 ratios: a false-alarm rate of 6e-7 each. The outermost bins are full, or part full.
+    options = {"sample_rate": sample_rate, "errors": errors, "plain_share": 0.3}
+    ratio = patch(20_000, samples, coherence=coherence, **options).likelihood_ratio
     assert ratio.mean() == pytest.approx(1.0, abs=5 * ratio.std() / np.sqrt(ratio.size))
     assert ratio.max() <= 1 / 0.3
     assert ratio.min() >= 0
@@ -73,7 +75,7 @@ def test_weighted_means_are_those_of_plain_speckle(errors):
 def test_the_ratio_is_that_of_the_densities():
     # A plain twin: 2 x 2 covariances bin by bin, half the precision of truth and rival, the mixture summed up.
     coherence, share, looks = 0.7, 0.25, 5
-    kinds = (DelayErrors(1), SubBandErrors(divisions=3))
+    kinds = (DelayErrors((1.0,)), SubBandErrors(divisions=3))
     pair = patch(50, looks, coherence=coherence, delay=1.3e-6, errors=kinds, plain_share=share)
     primary, secondary, frequencies = lines(pair, looks)
     both = np.stack([primary, secondary], axis=-1)
@@ -160,7 +162,8 @@ def test_bad_values_are_named(change, message):
 @pytest.mark.parametrize(
     ("build", "message"),
     [
-        (lambda: DelayErrors(0), "wraps is 0; it must be a whole number of at least 1"),
+        (lambda: DelayErrors((1.0, 0.0)), "wraps is 0; it must be above 0"),
+        (lambda: DelayErrors(()), "wraps is empty; it must name at least one"),
         (lambda: SubBandErrors(-1.0), "sub_bandwidth is -1 Hz; it must be above 0 Hz"),
         (lambda: PhaseErrors(np.nan), "delay is nan; it must be finite"),
         (

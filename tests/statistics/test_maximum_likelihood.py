@@ -88,3 +88,20 @@ def test_the_passband_correlation_has_no_higher_value():
     share = correlation(found.delay[:, :1])[:, 0] / scan.max(axis=1)
     assert np.all(share[within] > 1 - 6e-5)
     assert np.mean(found.valid[:, 0] == within) > 0.99
+
+
+@pytest.mark.parametrize(("lags_per_resolution", "accuracy"), [(4, 1e-5), (8, 3e-8), (32, 1e-12)])
+@pytest.mark.parametrize("relative_bandwidth", [0.1, 0.6])
+def test_the_delay_is_where_the_definition_is_stationary(relative_bandwidth, lags_per_resolution, accuracy):
+    # The step in wraps that Newton's method on the exact correlation would still take.
+    rng = np.random.default_rng(SEED)
+    bandwidth = relative_bandwidth * FC
+    pair = speckle_pair(
+        (500, 9), coherence=0.7, delay=1e-6, centre_frequency=FC, bandwidth=bandwidth, sample_rate=bandwidth, rng=rng
+    )
+    found = MaximumLikelihood(FixedWindow(1, 9), lags_per_resolution=lags_per_resolution).estimate(pair)
+    cycles = 1 + np.fft.fftfreq(9, 1 / relative_bandwidth)
+    cross = np.fft.fft(pair.primary).conj() * np.fft.fft(pair.secondary)
+    cross = (cross * np.exp(2j * np.pi * cycles * FC * found.delay[:, :1]))[found.valid[:, 0]]
+    step = np.sum(cycles * cross.imag, axis=1) / np.sum(2 * np.pi * cycles**2 * cross.real, axis=1)
+    assert np.abs(step).max() < accuracy
