@@ -295,5 +295,5 @@ def main() -> None:
     app()
 
 
-def _one_line_warning(message: Warning | str, *_: object) -> None:
+def _one_line_warning(message: Warning | str, *_: object, **__: object) -> None:
     print(f"twinecho: warning: {' '.join(str(message).split())}", file=sys.stderr)

@@ -139,6 +139,8 @@ def run(study: Study, how: Run, folder: Path, progress: Progress = lambda done, 
     """
     design = check(study)
     manifest.begin(study, how.seed, folder)
+    if not design:
+        return
     store_of(study, how.seed, folder).clean()
     deaths = 0
     while True:

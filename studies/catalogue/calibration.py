@@ -56,11 +56,13 @@ def reliability(table: pd.DataFrame, examples: Examples) -> Figure:
         for place, (band, of_band) in enumerate(rows.groupby("relative_bandwidth")):
             colour, marker = figures.COLOURS[place], figures.MARKERS[place]
             predicted = of_band.predicted_wrap_rate
-            for panel, scale in ((axes[0][number], 1.0), (axes[1][number], predicted)):
-                panel.vlines(predicted, of_band.wrap_rate_low / scale, of_band.wrap_rate_high / scale, color=colour)
-                panel.plot(
-                    predicted, of_band.wrap_rate / scale, marker, color=colour, markersize=4, label=f"B/fc = {band:g}"
-                )
+            # Bands stand a little beside each other, to keep their intervals apart.
+            for panel, scale, x in (
+                (axes[0][number], 1.0, predicted),
+                (axes[1][number], predicted, predicted * 1.35 ** (place - 1)),
+            ):
+                panel.vlines(x, of_band.wrap_rate_low / scale, of_band.wrap_rate_high / scale, color=colour)
+                panel.plot(x, of_band.wrap_rate / scale, marker, color=colour, markersize=4, label=f"B/fc = {band:g}")
         diagonal = np.array([3e-7, 1.0])
         axes[0][number].plot(diagonal, diagonal, color="black", linewidth=0.8)
         axes[0][number].set_yscale("log")

@@ -63,7 +63,11 @@ def test_shipped_studies_are_files_that_can_be_copied(name, tmp_path):
             "trials.until: no target is given; it must be some of wrap_errors",
         ),
         ('name = "cc"', 'name = "cc"\nwindows = [[0, 3]]', r"estimators\[0\].windows\[0\] = \[0, 3\]: it must be 'rec"),
-        ("block = 50", "block = 50\n[scene]\nground_range = [1, 2]", "patch and scene of patch, scene, levels is given"),
+        (
+            "block = 50",
+            "block = 50\n[scene]\nground_range = [1, 2]",
+            "patch and scene of patch, scene, levels is given",
+        ),
         (
             "[trials]",
             '[[axes]]\n"patch.looks" = [9, 33]\n"patch.snr" = [1]\n[trials]',
