@@ -25,7 +25,7 @@ from .conventions import MOST_LOOKS, Floats, open_ratio, signal_strength, within
 
 Pair = Callable[[Floats, Floats, Floats], Floats]
 
-STEP = 0.4
+STEP = 0.25
 REACH = 23.0
 CHUNK = 256
 _SMALLEST = 750.0

@@ -40,6 +40,10 @@ def ziv_zakai_delay_std(
     al. 1997). `looks` N is real, 1 to 1e9, `coherence` in [0, 1]; NaN outside. Frequencies [Hz] and
     prior must be finite and positive and the bandwidth below twice the centre frequency, else
     ValueError. All broadcast. The N lines repeat after `N / B`: a wider prior counts their ambiguity too.
+
+    Relative error below 1e-3 (5e-4 at worst against dense lags, at looks of 1 to 1e6, coherence of 1e-6 to
+    1 - 1e-12, `B / fc` of 1e-4 to 1.9). Where wraps are rare it is the coherent Cramer-Rao bound times about
+    `1 - 1.06 sigma / T`, for the finite prior.
     """
     fc = positive("centre_frequency", centre_frequency, "Hz")
     b = positive("bandwidth", bandwidth, "Hz")
@@ -114,7 +118,9 @@ def _std_in_wraps(lags: _Lags) -> Floats:
     sides = np.linspace(-1.0, 1.0, 4 * FLANK + 1) if lags.few else np.linspace(0.0, 1.0, FLANK)
     flank = (lags.scale[:, None] * np.sinh(span * sides))[element]
     steps = np.linspace(0.5, 1.0, int(PER_PERIOD * np.max(lags.prior)) // 8 + 2) * lags.prior[:, None]
-    who = np.concatenate([np.repeat(every, MAIN_LOBE), np.repeat(element, sides.size), np.repeat(every, steps.shape[1])])
+    who = np.concatenate(
+        [np.repeat(every, MAIN_LOBE), np.repeat(element, sides.size), np.repeat(every, steps.shape[1])]
+    )
     h = np.concatenate([main.ravel(), (peak[:, None] + flank).ravel(), steps.ravel()])
     h = np.clip(h, 0.0, lags.prior[who])
     order = np.lexsort((h, who))

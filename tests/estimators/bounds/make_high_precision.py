@@ -124,8 +124,8 @@ def coherent_pair(n, g, ratio):
             spread = mp.sqrt((g * real) ** 2 + (1 - g) * (1 + g) * square)
             roots += [((g * real + spread) / 2, weight), ((g * real - spread) / 2, weight)]
         strongest = max(abs(root) for root, _ in roots)
-        step, total = mp.mpf("0.12"), mp.mpf(0)
-        for i in range(-1100, 1100):
+        step, total = mp.mpf("0.06"), mp.mpf(0)
+        for i in range(-1800, 1400):
             t = mp.exp(i * step) / strongest
             angle = mp.fsum(w * mp.atan(root * t) for root, w in roots)
             fall = mp.fsum(w * mp.log1p((root * t) ** 2) for root, w in roots)
@@ -154,7 +154,13 @@ def rows() -> Iterator[Row]:
             yield "phase_std", n, g, 0.0, mp.nstr(phase_std(looks, coherence), 17)
             if n > 1:
                 for v in SHARES:
-                    yield "coherence_pdf", n, g, v, mp.nstr(coherence_pdf(mp.mpf(v), 1 - mp.mpf(v), looks, coherence), 17)
+                    yield (
+                        "coherence_pdf",
+                        n,
+                        g,
+                        v,
+                        mp.nstr(coherence_pdf(mp.mpf(v), 1 - mp.mpf(v), looks, coherence), 17),
+                    )
                 _, mean, std = coherence_moments(looks, coherence)
                 yield "coherence_mean", n, g, 0.0, mp.nstr(mean, 17)
                 yield "coherence_std", n, g, 0.0, mp.nstr(std, 17)

@@ -71,7 +71,9 @@ def test_gaussian_approximation() -> None:
 
 
 def test_limits_and_validity() -> None:
-    rate = bounds.split_spectrum_wrap_error_probability([3.0, 9.0, 9.0, 9.0], [0.0, 0.0, 1.0, 0.5], [0.3, 1.2, 0.3, 1.5])
+    rate = bounds.split_spectrum_wrap_error_probability(
+        [3.0, 9.0, 9.0, 9.0], [0.0, 0.0, 1.0, 0.5], [0.3, 1.2, 0.3, 1.5]
+    )
     np.testing.assert_allclose(rate, [0.8, 0.2, 0.0, 0.0], rtol=1e-12)
     bad = bounds.split_spectrum_wrap_error_probability([2.9, 9.0, 9.0, 9.0], [0.5, 1.1, 0.5, 0.5], [0.3, 0.3, 0.0, 2.0])
     assert np.all(np.isnan(bad))
