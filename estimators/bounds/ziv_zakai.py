@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import PchipInterpolator
@@ -127,7 +129,7 @@ def _std_in_wraps(lags: _Lags) -> Floats:
     who, h = who[order], h[order]
     value = lags.filled(who, h)
     ends = np.searchsorted(who, np.arange(count + 1))
-    return np.array([_root_moment(h[i:j], value[i:j]) for i, j in zip(ends[:-1], ends[1:], strict=True)])
+    return np.array([_root_moment(h[i:j], value[i:j]) for i, j in pairwise(ends)])
 
 
 def _root_moment(h: Floats, value: Floats) -> float:

@@ -70,6 +70,10 @@ def test_effective_looks_of_theory_and_of_its_integral() -> None:
         with mpmath.workdps(30):
             area = mpmath.quad(lambda u, bt=bt: 2 * (1 - u) * mpmath.sincpi(bt * u) ** 2, mpmath.linspace(0, 1, 5))
         assert float(bounds.effective_looks(bt) * area) == pytest.approx(1.0, rel=1e-11)
+    for bt in (1e3, 1e6):
+        # Its asymptotic series; the next term is of fourth order.
+        inverse = 1.0 / bt - (np.log(2 * np.pi * bt) + np.euler_gamma + 1.0) / (np.pi * bt) ** 2
+        assert float(bounds.effective_looks(bt)) * inverse == pytest.approx(1.0, rel=1e-9)
     np.testing.assert_equal(bounds.effective_looks([0.0, -1.0]), [1.0, np.nan])
 
 

@@ -80,8 +80,19 @@ def test_long_range_reading_of_paper_b() -> None:
     np.testing.assert_equal(bounds.debias_coherence([-0.1, 0.05, 1.0, 1.1, np.nan], 9), [0, 0, 1, 1, np.nan])
 
 
-def test_sampler_has_the_exact_moments() -> None:
-    draws = bounds.sample_sample_coherence(4, 0.7, rng=np.random.default_rng(5), size=200_000)
-    error = float(bounds.sample_coherence_std(4, 0.7)) / np.sqrt(draws.size)
-    # Five standard errors: false alarm 6e-7.
-    assert abs(draws.mean() - 0.73751) < 5.0 * error + 5e-6
+@pytest.mark.parametrize(("looks", "coherence"), [(4.0, 0.7), (1.3, 0.9), (1.001, 1e-6), (1e6, 1.0 - 1e-12)])
+def test_sampler_has_the_exact_moments(looks: float, coherence: float) -> None:
+    rest = 1.0 - bounds.sample_sample_coherence(looks, coherence, rng=np.random.default_rng(5), size=200_000)
+    mean, std = bounds.sample_coherence_mean(looks, coherence), bounds.sample_coherence_std(looks, coherence)
+    # Five standard errors: false alarm 6e-7 for each moment, and the rounding of shares next to one.
+    assert abs(rest.mean() - (1.0 - mean)) < 5.0 * std / np.sqrt(rest.size) + 1e-15
+    square = rest**2
+    expected = std**2 + (1.0 - mean) ** 2
+    assert abs(square.mean() - expected) < 5.0 * square.std() / np.sqrt(rest.size) + 1e-15
+
+
+def test_sampler_refuses_what_it_cannot_draw() -> None:
+    rng = np.random.default_rng(1)
+    np.testing.assert_equal(bounds.sample_sample_coherence(1, 0.3, rng=rng, size=3), [1.0, 1.0, 1.0])
+    with pytest.raises(ValueError, match="looks is"):
+        bounds.sample_sample_coherence(0.9, 0.3, rng=rng)

@@ -114,7 +114,7 @@ def envelope_pair_twin(looks: int, coherence: float, ratio: float, draws: int, s
 )
 def test_average_meets_a_plain_twin(looks: int, coherence: float, ratio: float, draws: int) -> None:
     mean, error = envelope_pair_twin(looks, coherence, ratio, draws, seed=looks)
-    # Five standard errors (seven for the Student distributed means of 20), false alarm 1e-6, beside the stated accuracy.
+    # Five standard errors, seven for the Student distributed means of 20: false alarm 1e-6, beside the stated accuracy.
     found = bounds.wrap_error_probability(looks, coherence, ratio)
     assert abs(found - mean) < (5.0 if draws > 100 else 7.0) * error + 1e-3 * mean
 

@@ -100,9 +100,9 @@ def test_bound_lies_between_the_cramer_rao_bound_and_the_prior(
     bound = bounds.ziv_zakai_delay_std(looks, coherence, 1.0, ratio, prior)
     assert bound <= prior / 12**0.5 * (1 + 1e-3)
     crlb = bounds.coherent_delay_crlb(looks, coherence, 1.0, ratio)
-    # With P(h) = Q(h / 2 sigma), the factor 1 - h / T takes 4/3 sqrt(2 / pi) sigma / T off the standard deviation.
+    # With P(h) = Q(h / 2 sigma), the factor 1 - h / T takes 8/3 sqrt(2 / pi) sigma / T off the mean square error.
     if crlb < 0.1 * prior:
-        assert bound >= crlb * (1 - 1.0639 * crlb / prior - 1e-3)
+        assert bound >= crlb * (np.sqrt(1 - 2.1277 * crlb / prior) - 1e-3)
 
 
 def test_many_elements_at_once_are_the_single_ones() -> None:
