@@ -209,6 +209,40 @@ def test_coherent_pair_equals_the_inversion_integral() -> None:
     assert bounds.coherent_pair_probability(n, g, ratio) == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("looks", "coherence", "ratio"),
+    [
+        (4, 1.0 - 1e-12, 0.3),
+        (20, 1.0 - 1e-12, 1.9),
+        (33, 1.0 - 1e-12, 1e-4),
+        (33, 1.0 - 1e-6, 0.3),
+        (150, 0.999, 0.3),
+        (400, 0.9, 1.9),
+        (1000, 0.9, 0.3),
+        (1_000_000, 1e-3, 1.9),
+        (1_000_000, 0.9, 1e-4),
+    ],
+)
+def test_coherent_pair_counts_every_line_in_its_tail(looks: int, coherence: float, ratio: float) -> None:
+    q = coherence / (1.0 - coherence) * coherence / (1.0 + coherence)
+    # One half of the lines mirrors the other.
+    offset = np.arange(0.5 * (1 - looks % 2), 0.5 * looks)
+    x = q * np.sin(np.pi * ratio * offset / looks) ** 2
+    pairs = np.where(offset == 0.0, 1.0, 2.0)
+    width = 1.0 / np.sqrt(max(1.0, float(pairs @ (x / (1.0 + x)))))
+    # Trapezoids over asinh of t of prod (1 + x (1 + t^2))^-1 / (1 + t^2).
+    total = 0.5
+    for w in np.arange(0.2, 36.0, 0.2):
+        t2 = (width * np.sinh(w)) ** 2
+        term = np.cosh(w) / (1.0 + t2) * np.exp(-float(pairs @ np.log1p(x / (1.0 + x) * t2)))
+        total += term
+        if term < 1e-16 * total:
+            break
+    expected = np.exp(-float(pairs @ np.log1p(x))) * total * width * 0.2 / np.pi
+    assert expected > 1e-290
+    assert bounds.coherent_pair_probability(looks, coherence, ratio) == pytest.approx(expected, rel=1e-6)
+
+
 def test_saddle_point_is_within_what_theory_says() -> None:
     np.testing.assert_allclose(bounds.coherent_pair_probability(1.0, [1e-6, 0.5, 1.0 - 1e-12], 0.3), 0.5, rtol=1e-7)
     for n, within in ((9, 0.01), (81, 0.001)):
