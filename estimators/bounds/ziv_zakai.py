@@ -43,7 +43,7 @@ def ziv_zakai_delay_std(
     prior must be finite and positive and the bandwidth below twice the centre frequency, else
     ValueError. All broadcast. The N lines repeat after `N / B`: a wider prior counts their ambiguity too.
 
-    Relative error below 1e-3 (5e-4 at worst against dense lags, at looks of 1 to 1e6, coherence of 1e-6 to
+    Relative error below 1e-3 (7e-4 at worst against dense lags, at looks of 1 to 1e6, coherence of 1e-6 to
     1 - 1e-12, `B / fc` of 1e-4 to 1.9). Where wraps are rare it is the coherent Cramer-Rao bound times about
     `1 - 1.06 sigma / T`, for the finite prior.
     """
