@@ -29,8 +29,8 @@ def wrap_error_probability(looks: ArrayLike, coherence: ArrayLike, relative_band
     magnitude in [0, 1], `relative_bandwidth` is `B / fc`, above 0 and below 2. They broadcast; NaN outside
     these ranges.
 
-    Within 1e-3 of the exact average at whole looks for rates down to 1e-10, and at two and three looks for all
-    rates down to 1e-24; 2 % from there to 1e-22, the order of magnitude to 1e-38, and not resolved below.
+    Within 1e-3 of the exact average at whole looks for rates down to 1e-20, at up to 14 looks to 1e-60; above,
+    within 6 % to 1e-35, and no more than the order of magnitude below.
     Real looks are interpolated smoothly in log N. It falls with coherence and, for bands up to the centre
     frequency, with looks and bandwidth; beyond, so few as two and three lines may alias.
     """
