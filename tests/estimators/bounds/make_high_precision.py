@@ -1,6 +1,6 @@
 """Writes high_precision.csv: exact statistics at the corners of what `estimators.bounds` promises, by mpmath.
 
-None of the forms used here is one that the package evaluates. Takes about ten minutes:
+None of the forms used here is one that the package evaluates. Takes about a quarter of an hour:
 `python tests/estimators/bounds/make_high_precision.py`
 """
 
