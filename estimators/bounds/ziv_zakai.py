@@ -20,7 +20,6 @@ CHUNK = 32
 PER_PERIOD = 40
 MAIN_LOBE = 128
 FLANK = 24
-ZOOMS = 6
 FEW_LOOKS = 6
 NEGLIGIBLE = 1e-7
 # The pair probability to about 1e-5.
@@ -158,7 +157,8 @@ def _confusable_lags(lags: _Lags) -> tuple[Integers, Floats]:
     at, column = np.nonzero((d[:, 1:-1] < d[:, :-2]) & (d[:, 1:-1] <= d[:, 2:]))
     peak = grid[at, column + 1]
     reach = np.maximum(peak - grid[at, column], grid[at, column + 2] - peak)
-    for _ in range(ZOOMS):
+    # To a twentieth of the narrowest top.
+    for _ in range(max(3, int(np.ceil(np.log(0.5 / np.min(lags.scale)) / np.log(6.0))))):
         trial = peak[:, None] + reach[:, None] * np.linspace(-1.0, 1.0, 13)
         best = np.argmin(lags.rarity(np.broadcast_to(at[:, None], trial.shape), trial), axis=1)[:, None]
         peak = np.take_along_axis(trial, best, axis=1)[:, 0]
