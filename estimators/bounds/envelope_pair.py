@@ -28,7 +28,7 @@ from .quadrature import unit_gauss_legendre
 
 RootDeterminant = Callable[[Floats, Floats, Floats], Floats]
 
-FEW_LINES = 10
+FEW_LINES = 14
 STEP = 0.25
 COARSER = 8
 NODE_STEP = 0.6

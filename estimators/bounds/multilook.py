@@ -33,7 +33,8 @@ def multilook_phase_pdf(phase: ArrayLike, looks: ArrayLike, coherence: ArrayLike
     = 1.
 
     `(L - 1/2) / (4 pi) (1 - gamma^2)^L y^(-L-1/2) int_0^inf s (y + s)^(L-3/2) (1 + s)^(-2L) ds` with
-    `y = (1 - gamma) / 2 + gamma sin^2(phase / 2)`: Euler's integral of `2F1(2, 2L; L + 3/2; 1 - y)`.
+    `y = (1 - gamma) / 2 + gamma sin^2(phase / 2)`: Euler's integral of `2F1(2, 2L; L + 3/2; 1 - y)`. Relative
+    error below 1e-7.
     """
     phi, n, gamma = _arguments(phase, looks, coherence)
     y = 0.5 * (1.0 - gamma) + gamma * np.sin(0.5 * phi) ** 2
@@ -67,7 +68,7 @@ def multilook_phase_cdf(phase: ArrayLike, looks: ArrayLike, coherence: ArrayLike
     """
     Probability that the multilook phase error is below `phase` [rad], in [-pi, pi]; NaN beyond.
 
-    Keeps its relative accuracy in the lower tail; `1 - cdf(phase)` is `cdf(-phase)`.
+    Relative error below 1e-6, also in the lower tail; `1 - cdf(phase)` is `cdf(-phase)`.
     """
     phi, n, gamma = _arguments(within(phase, -np.pi, np.pi), looks, coherence)
     tail = _upper_tail(np.abs(phi), n, gamma)

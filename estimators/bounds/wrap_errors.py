@@ -29,9 +29,9 @@ def wrap_error_probability(looks: ArrayLike, coherence: ArrayLike, relative_band
     magnitude in [0, 1], `relative_bandwidth` is `B / fc`, above 0 and below 2. They broadcast; NaN outside
     these ranges.
 
-    Within 1e-3 of the exact average at whole looks for rates down to 1e-10, and at two and three looks for all
-    rates down to 1e-24; 2 % from there to 1e-22, the order of magnitude to 1e-38, and not resolved below.
-    Real looks are interpolated smoothly in log N. It falls with coherence and, for bands up to the centre
+    Within 1e-3 of the exact average at whole looks for rates down to 1e-20, at up to 14 looks to 1e-60; above,
+    within 6 % to 1e-35, and no more than the order of magnitude below.
+    Real looks are interpolated smoothly between whole ones. It falls with coherence and, for bands up to the centre
     frequency, with looks and bandwidth; beyond, so few as two and three lines may alias.
     """
     return 2.0 * envelope_pair_probability(looks, coherence, relative_bandwidth)
@@ -94,12 +94,26 @@ def _exponent(looks: Floats, gamma: Floats, ratio: float) -> Floats:
             curve = log_exponent_curve(whole, ratio)
             height[used] += weight * (curve(log_q[used]) - np.log(whole - 1.0))
     exponent = np.where(gamma < 1.0, np.exp(np.minimum(height, 700.0)), np.inf)
-    return np.where(looks > 1.0, exponent, 0.0) * (looks - 1.0)
+    exponent = np.where(looks > 1.0, exponent, 0.0) * (looks - 1.0)
+    few = (looks > 1.0) & (looks < 2.0) & (gamma < 1.0)
+    if np.any(few):
+        exponent[few] = _between_one_and_two(looks[few], gamma[few], ratio)
+    return exponent
+
+
+def _between_one_and_two(looks: Floats, gamma: Floats, ratio: float) -> Floats:
+    """The parabola from zero at one look that joins with its slope at two, kept from falling."""
+    step = 1e-3
+    two = _exponent(np.full(looks.shape, 2.0), gamma, ratio)
+    slope = np.clip((_exponent(np.full(looks.shape, 2.0 + step), gamma, ratio) - two) / step, 0.0, 2.0 * two)
+    u = looks - 1.0
+    result: Floats = u * (2.0 * two - slope - (two - slope) * u)
+    return result
 
 
 def _stencil(looks: Floats) -> tuple[NDArray[np.int64], Floats]:
-    """First of four neighbouring nodes and their Lagrange weights in log N, also below two looks."""
-    x = np.log(looks)
+    """First of four neighbouring nodes and their Lagrange weights in log N; below two looks, those of two."""
+    x = np.log(np.maximum(looks, 2.0))
     first = np.clip(np.searchsorted(NODES, looks, side="right") - 2, 0, NODES.size - 4)
     at = np.log(NODES)[first[:, None] + np.arange(4)]
     weights = np.ones(at.shape)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import PchipInterpolator
@@ -18,7 +20,6 @@ CHUNK = 32
 PER_PERIOD = 40
 MAIN_LOBE = 128
 FLANK = 24
-ZOOMS = 6
 FEW_LOOKS = 6
 NEGLIGIBLE = 1e-7
 # The pair probability to about 1e-5.
@@ -40,6 +41,10 @@ def ziv_zakai_delay_std(
     al. 1997). `looks` N is real, 1 to 1e9, `coherence` in [0, 1]; NaN outside. Frequencies [Hz] and
     prior must be finite and positive and the bandwidth below twice the centre frequency, else
     ValueError. All broadcast. The N lines repeat after `N / B`: a wider prior counts their ambiguity too.
+
+    Relative error below 1e-3 (7e-4 at worst against dense lags, at looks of 1 to 1e6, coherence of 1e-6 to
+    1 - 1e-12, `B / fc` of 1e-4 to 1.9). Where wraps are rare it is the coherent Cramer-Rao bound times about
+    `1 - 1.06 sigma / T`, for the finite prior.
     """
     fc = positive("centre_frequency", centre_frequency, "Hz")
     b = positive("bandwidth", bandwidth, "Hz")
@@ -123,7 +128,7 @@ def _std_in_wraps(lags: _Lags) -> Floats:
     who, h = who[order], h[order]
     value = lags.filled(who, h)
     ends = np.searchsorted(who, np.arange(count + 1))
-    return np.array([_root_moment(h[i:j], value[i:j]) for i, j in zip(ends[:-1], ends[1:], strict=True)])
+    return np.array([_root_moment(h[i:j], value[i:j]) for i, j in pairwise(ends)])
 
 
 def _root_moment(h: Floats, value: Floats) -> float:
@@ -152,7 +157,8 @@ def _confusable_lags(lags: _Lags) -> tuple[Integers, Floats]:
     at, column = np.nonzero((d[:, 1:-1] < d[:, :-2]) & (d[:, 1:-1] <= d[:, 2:]))
     peak = grid[at, column + 1]
     reach = np.maximum(peak - grid[at, column], grid[at, column + 2] - peak)
-    for _ in range(ZOOMS):
+    # To a twentieth of the narrowest top.
+    for _ in range(max(3, int(np.ceil(np.log(0.5 / np.min(lags.scale)) / np.log(6.0))))):
         trial = peak[:, None] + reach[:, None] * np.linspace(-1.0, 1.0, 13)
         best = np.argmin(lags.rarity(np.broadcast_to(at[:, None], trial.shape), trial), axis=1)[:, None]
         peak = np.take_along_axis(trial, best, axis=1)[:, 0]

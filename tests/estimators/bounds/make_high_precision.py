@@ -1,6 +1,6 @@
 """Writes high_precision.csv: exact statistics at the corners of what `estimators.bounds` promises, by mpmath.
 
-None of the forms used here is one that the package evaluates. Takes about ten minutes:
+None of the forms used here is one that the package evaluates. Takes about a quarter of an hour:
 `python tests/estimators/bounds/make_high_precision.py`
 """
 
@@ -124,8 +124,8 @@ def coherent_pair(n, g, ratio):
             spread = mp.sqrt((g * real) ** 2 + (1 - g) * (1 + g) * square)
             roots += [((g * real + spread) / 2, weight), ((g * real - spread) / 2, weight)]
         strongest = max(abs(root) for root, _ in roots)
-        step, total = mp.mpf("0.12"), mp.mpf(0)
-        for i in range(-1100, 1100):
+        step, total = mp.mpf("0.06"), mp.mpf(0)
+        for i in range(-1800, 1400):
             t = mp.exp(i * step) / strongest
             angle = mp.fsum(w * mp.atan(root * t) for root, w in roots)
             fall = mp.fsum(w * mp.log1p((root * t) ** 2) for root, w in roots)

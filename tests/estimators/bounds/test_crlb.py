@@ -11,11 +11,13 @@ COHERENCE = st.floats(1e-6, 1.0 - 1e-12)
 RATIO = st.floats(1e-4, 1.9)
 
 
-@pytest.mark.parametrize("coherence", [1e-6, 0.3, 0.9, 1.0 - 1e-12])
+@pytest.mark.parametrize("ratio", [1e-4, 0.3, 1.9])
+@pytest.mark.parametrize("coherence", [1e-8, 1e-6, 0.3, 0.9, 1.0 - 1e-12])
 @pytest.mark.parametrize("looks", [1.0, 9.5, 1e6])
-def test_bounds_equal_their_formulas_at_high_precision(looks: float, coherence: float) -> None:
+def test_bounds_equal_their_formulas_at_high_precision(looks: float, coherence: float, ratio: float) -> None:
+    band = 100e3 * ratio
     with mpmath.workdps(40):
-        n, g, fc, b = mpmath.mpf(looks), mpmath.mpf(coherence), mpmath.mpf(100e3), mpmath.mpf(30e3)
+        n, g, fc, b = mpmath.mpf(looks), mpmath.mpf(coherence), mpmath.mpf(100e3), mpmath.mpf(band)
         root = mpmath.sqrt((1 - g**2) / (2 * n * g**2))
         intensity = mpmath.sqrt(3 / (10 * n) * (2 + 5 * g**2 - 7 * g**4)) / (mpmath.pi * g**2 * b)
         expected = [
@@ -24,17 +26,22 @@ def test_bounds_equal_their_formulas_at_high_precision(looks: float, coherence: 
             root / (2 * mpmath.pi * mpmath.sqrt(fc**2 + b**2 / 12)),
             mpmath.sqrt(12) * root / (2 * mpmath.pi * b) * mpmath.sqrt(mpmath.mpf(9) / 8),
             intensity,
+            mpmath.erfc(mpmath.pi * b / fc / mpmath.sqrt(24 / (1 - 1 / n**2)) / root) if looks > 1 else mpmath.mpf(1),
+            mpmath.erfc(mpmath.pi * b / fc / (3 * root)),
             200 * 1500 / mpmath.mpf("0.3") * root / (2 * mpmath.pi * fc),
         ]
     found = [
         bounds.phase_crlb(looks, coherence),
-        bounds.group_delay_crlb(looks, coherence, 30e3),
-        bounds.coherent_delay_crlb(looks, coherence, 100e3, 30e3),
-        bounds.split_spectrum_crlb(looks, coherence, 30e3, 10e3),
-        bounds.intensity_delay_crlb(looks, coherence, 30e3),
+        bounds.group_delay_crlb(looks, coherence, band),
+        bounds.coherent_delay_crlb(looks, coherence, 100e3, band),
+        bounds.split_spectrum_crlb(looks, coherence, band, band / 3),
+        bounds.intensity_delay_crlb(looks, coherence, band),
+        bounds.gaussian_wrap_error_probability(looks, coherence, ratio),
+        bounds.gaussian_split_spectrum_wrap_error_probability(3 * looks, coherence, ratio),
         bounds.depth_crlb(looks, coherence, 100e3, 200.0, 0.3),
     ]
-    np.testing.assert_allclose(found, [float(x) for x in expected], rtol=1e-12)
+    # Relative to 1e-12, but for what rounding does to a complementary error function far out.
+    np.testing.assert_allclose(found, [float(x) for x in expected], rtol=1e-9, atol=1e-290)
 
 
 @given(LOOKS, COHERENCE, RATIO)
@@ -63,6 +70,10 @@ def test_effective_looks_of_theory_and_of_its_integral() -> None:
         with mpmath.workdps(30):
             area = mpmath.quad(lambda u, bt=bt: 2 * (1 - u) * mpmath.sincpi(bt * u) ** 2, mpmath.linspace(0, 1, 5))
         assert float(bounds.effective_looks(bt) * area) == pytest.approx(1.0, rel=1e-11)
+    for bt in (1e3, 1e6):
+        # Its asymptotic series; the next term is of fourth order.
+        inverse = 1.0 / bt - (np.log(2 * np.pi * bt) + np.euler_gamma + 1.0) / (np.pi * bt) ** 2
+        assert float(bounds.effective_looks(bt)) * inverse == pytest.approx(1.0, rel=1e-9)
     np.testing.assert_equal(bounds.effective_looks([0.0, -1.0]), [1.0, np.nan])
 
 

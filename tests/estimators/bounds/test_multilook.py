@@ -49,18 +49,31 @@ def test_half_plane_is_an_incomplete_beta_function(looks: float, coherence: floa
     assert behind == pytest.approx(betainc(looks, looks, 0.5 * (1.0 - coherence)), rel=1e-6, abs=1e-280)
 
 
+NODES = np.polynomial.legendre.leggauss(200)
+
+
 @given(st.floats(1.0, 1e6), st.floats(0.0, 1.0 - 1e-12), st.floats(1e-9, 0.5))
 @settings(max_examples=40, deadline=None)
 def test_density_integrates_to_the_distribution(looks: float, coherence: float, probability: float) -> None:
     low = float(bounds.multilook_phase_quantile(probability, looks, coherence))
-    assert bounds.multilook_phase_cdf(low, looks, coherence) == pytest.approx(probability, rel=1e-5)
-    x, w = np.polynomial.legendre.leggauss(200)
+    assert bounds.multilook_phase_cdf(low, looks, coherence) == pytest.approx(probability, rel=1e-6)
+    x, w = NODES
     scale = min(1.0, float(bounds.phase_crlb(looks, coherence)))
-    span = np.arcsinh(-low / scale)
-    v = 0.5 * span * (x + 1.0)
-    density = bounds.multilook_phase_pdf(scale * np.sinh(v), looks, coherence)
-    half = 0.5 * span * np.sum(w * scale * np.cosh(v) * density)
-    assert half == pytest.approx(0.5 - probability, abs=2e-8)
+    for end, area in ((-low, 0.5 - probability), (np.pi, 0.5)):
+        span = np.arcsinh(end / scale)
+        v = 0.5 * span * (x + 1.0)
+        density = bounds.multilook_phase_pdf(scale * np.sinh(v), looks, coherence)
+        assert 0.5 * span * np.sum(w * scale * np.cosh(v) * density) == pytest.approx(area, abs=2e-8)
+
+
+@given(st.floats(1.0, 1e6), st.floats(0.0, 1.0 - 1e-12))
+@settings(max_examples=40, deadline=None)
+def test_phase_std_falls_with_looks_and_coherence(looks: float, coherence: float) -> None:
+    n, g = np.array([looks, 1.1 * looks, looks]), np.array([coherence, coherence, 0.5 * (1.0 + coherence)])
+    here, more, better = bounds.multilook_phase_std(n, g)
+    assert more <= here * (1.0 + 1e-9)
+    assert better <= here * (1.0 + 1e-9)
+    assert here <= np.pi / 3**0.5 * (1.0 + 1e-9)
 
 
 def test_limits() -> None:

@@ -114,7 +114,7 @@ def envelope_pair_twin(looks: int, coherence: float, ratio: float, draws: int, s
 )
 def test_average_meets_a_plain_twin(looks: int, coherence: float, ratio: float, draws: int) -> None:
     mean, error = envelope_pair_twin(looks, coherence, ratio, draws, seed=looks)
-    # Five standard errors (seven for the Student distributed means of 20), false alarm 1e-6, beside the stated accuracy.
+    # Five standard errors, seven for the Student distributed means of 20: false alarm 1e-6, beside the stated accuracy.
     found = bounds.wrap_error_probability(looks, coherence, ratio)
     assert abs(found - mean) < (5.0 if draws > 100 else 7.0) * error + 1e-3 * mean
 
@@ -146,7 +146,7 @@ def test_wrap_error_falls_with_looks_and_coherence(looks: float, coherence: floa
     assert 0.0 <= here <= 1.0
     assert bounds.wrap_error_probability(looks, 0.5 * (1.0 + coherence), ratio) <= here * (1.0 + 1e-12)
     # A band wider than its centre frequency makes two and three lines alias, so that more looks can be worse.
-    if ratio <= 1.0 or looks >= 4.0:
+    if ratio <= 1.0 or looks >= 4.0 or looks <= 1.8:
         assert bounds.wrap_error_probability(min(1.1 * looks, 1e6), coherence, ratio) <= here * (1.0 + 1e-12)
     if here > 1e-10:
         assert bounds.coherent_pair_probability(looks, coherence, ratio) <= 0.5 * here * (1.0 + 2e-3)
@@ -164,7 +164,7 @@ def test_wrap_error_falls_with_bandwidth(looks: float, coherence: float, ratio: 
 @pytest.mark.parametrize("ratio", [1e-4, 0.3, 0.9])
 @pytest.mark.parametrize("coherence", [1e-3, 0.5, 0.99, 1.0 - 1e-12])
 def test_wrap_error_is_smooth_between_whole_looks(coherence: float, ratio: float) -> None:
-    n = np.concatenate([np.linspace(1.0, 40.0, 1561), np.geomspace(40.0, 1e6, 2000)])
+    n = np.concatenate([np.linspace(1.0, 40.0, 1561), np.geomspace(40.1, 1e6, 2000)])
     with np.errstate(divide="ignore"):
         exponent = -np.log(bounds.wrap_error_probability(n, coherence, ratio))
     seen = (exponent < 60.0) & (n < 40.0)
@@ -207,6 +207,40 @@ def test_coherent_pair_equals_the_inversion_integral() -> None:
     integrand = np.sin(np.arctan(lt).sum(axis=1)) * np.exp(-0.5 * np.log1p(lt**2).sum(axis=1))
     expected = 0.5 - np.trapezoid(integrand, u) / np.pi
     assert bounds.coherent_pair_probability(n, g, ratio) == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("looks", "coherence", "ratio"),
+    [
+        (4, 1.0 - 1e-12, 0.3),
+        (20, 1.0 - 1e-12, 1.9),
+        (33, 1.0 - 1e-12, 1e-4),
+        (33, 1.0 - 1e-6, 0.3),
+        (150, 0.999, 0.3),
+        (400, 0.9, 1.9),
+        (1000, 0.9, 0.3),
+        (1_000_000, 1e-3, 1.9),
+        (1_000_000, 0.9, 1e-4),
+    ],
+)
+def test_coherent_pair_counts_every_line_in_its_tail(looks: int, coherence: float, ratio: float) -> None:
+    q = coherence / (1.0 - coherence) * coherence / (1.0 + coherence)
+    # One half of the lines mirrors the other.
+    offset = np.arange(0.5 * (1 - looks % 2), 0.5 * looks)
+    x = q * np.sin(np.pi * ratio * offset / looks) ** 2
+    pairs = np.where(offset == 0.0, 1.0, 2.0)
+    width = 1.0 / np.sqrt(max(1.0, float(pairs @ (x / (1.0 + x)))))
+    # Trapezoids over asinh of t of prod (1 + x (1 + t^2))^-1 / (1 + t^2).
+    total = 0.5
+    for w in np.arange(0.2, 36.0, 0.2):
+        t2 = (width * np.sinh(w)) ** 2
+        term = np.cosh(w) / (1.0 + t2) * np.exp(-float(pairs @ np.log1p(x / (1.0 + x) * t2)))
+        total += term
+        if term < 1e-16 * total:
+            break
+    expected = np.exp(-float(pairs @ np.log1p(x))) * total * width * 0.2 / np.pi
+    assert expected > 1e-290
+    assert bounds.coherent_pair_probability(looks, coherence, ratio) == pytest.approx(expected, rel=1e-6)
 
 
 def test_saddle_point_is_within_what_theory_says() -> None:
