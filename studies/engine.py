@@ -164,27 +164,27 @@ def run(study: Study, how: Run, folder: Path, progress: Progress = lambda done, 
 
 @dataclass(eq=False)
 class _Lack:
-    """What a share of a study lacks at a point: blocks, and for each estimator which of them."""
+    """What a share of a study lacks at a point: blocks, and for each estimator whether it lacks each of them."""
 
     point: Point
     total: int
     blocks: NDArray[np.intp]
-    methods: list[tuple[Method, NDArray[np.intp]]]
+    methods: list[tuple[Method, NDArray[np.bool_]]]
     left: int
 
     @classmethod
     def of(cls, study: Study, share: Share, point: Point, store: Store) -> "_Lack":
-        found = standings(study, point, methods(study, point), store.read(point))
-        lacking = [
-            (method, share.of_blocks(study, point, found[method.labels].missing)) for method in methods(study, point)
-        ]
-        whole = np.arange(max(standing.target for standing in found.values()))
-        missing = np.unique(np.concatenate([numbers for _, numbers in lacking]))
-        return cls(point, share.of_blocks(study, point, whole).size, missing, lacking, missing.size)
+        chosen = methods(study, point)
+        found = standings(study, point, chosen, store.read(point))
+        whole = share.of_blocks(study, point, np.arange(max(standing.target for standing in found.values())))
+        lacking = [(method, found[method.labels].lacks(whole)) for method in chosen]
+        any_lacks = np.any([lacks for _, lacks in lacking], axis=0)
+        missing = whole[any_lacks]
+        return cls(point, whole.size, missing, [(m, lacks[any_lacks]) for m, lacks in lacking], missing.size)
 
     def tasks(self, study: Study) -> Iterator[tuple[Task, list[Method]]]:
-        for block in self.blocks.tolist():
-            yield task(study, self.point, block), [method for method, numbers in self.methods if block in numbers]
+        for place, block in enumerate(self.blocks.tolist()):
+            yield task(study, self.point, block), [method for method, lacks in self.methods if lacks[place]]
 
     def tidy(self, store: Store) -> None:
         """Put files together when the point is finished, and now and then before."""

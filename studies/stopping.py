@@ -48,6 +48,11 @@ class Standing:
         found: NDArray[np.intp] = np.flatnonzero(~self.there[: self.target])
         return found
 
+    def lacks(self, chosen: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Which of some blocks it needs and lacks."""
+        lacking: NDArray[np.bool_] = ~self.there[chosen] & (chosen < self.target)
+        return lacking
+
     def add(self, block: int, measurements: Sequence[Measurement]) -> bool:
         """Take note of a block, in order; whether it counts in the sums."""
         self.there[block] = True
