@@ -46,6 +46,7 @@ $figures
 <h2>Where it comes from</h2>
 <div class="wide"><table>$provenance</table></div>
 <h2>How to repeat it</h2>
+<p>In the folder of this page:</p>
 <pre>$command</pre>
 <details><summary>The study, as it was run</summary><pre>$design</pre></details>
 <script>
@@ -108,7 +109,7 @@ def page(
         figures="".join(_figure(name, figure) for name, figure in figures.items()),
         table=_table(table),
         provenance="".join(f"<tr><th>{_text(k)}<td>{_text(v)}" for k, v in provenance.items()),
-        command=f"twinecho run {html.escape(study.name)} --seed {found['seed']}",
+        command=f"twinecho run manifest.json --seed {found['seed']} --out again",
         design=html.escape(_design(found["study"])),
     )
 

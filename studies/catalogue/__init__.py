@@ -3,6 +3,7 @@
 from importlib import resources
 from pathlib import Path
 
+from studies import manifest
 from studies.section import suggestion
 from studies.study import Study, load
 
@@ -24,7 +25,7 @@ def path_of(name: str) -> Path:
 
 
 def study(name: str) -> Study:
-    """A shipped study by its name, or a study file by its path.
+    """A shipped study by its name, a study file by its path, or the study of a run by that of its manifest.
 
     Raises
     ------
@@ -34,4 +35,6 @@ def study(name: str) -> Study:
         Where the file cannot be read.
     """
     path = Path(name)
+    if path.name == manifest.NAME:
+        return manifest.study_of(path.parent)[0]
     return load(path if path.suffix == ".toml" else path_of(name))

@@ -180,7 +180,11 @@ def test_the_page_stands_alone(tmp_path):
     assert "How often does each estimator pick the wrong wrap" in page
     assert page.count("data:image/svg+xml;base64,") == 2
     assert not re.search(r"(?:src|href)\s*=\s*(?![\"']?data:)", page)
-    assert "twinecho run wrap-errors --seed 2026" in page
+    assert "twinecho run manifest.json --seed 2026 --out again" in page
+    again = command("run", tmp_path / "wrap-errors" / "manifest.json", "--jobs", "1", "--out", tmp_path / "again")
+    assert again.exit_code == 0, again.output
+    tables = [(folder / "wrap-errors" / "differences.csv").read_bytes() for folder in (tmp_path, tmp_path / "again")]
+    assert tables[0] == tables[1]
 
 
 def test_list_names_studies_and_estimators():
