@@ -1,0 +1,164 @@
+"""
+Probability that the passband correlation peaks higher around some wrong lag than at the true delay.
+
+Given the line powers e_k of the primary, the passband correlations at the truth and at a rival l wraps away differ by
+a Gaussian whose mean over its deviation is `|v|`, `v_k = sqrt(2 q e_k) S_k`, with `S_k = sin(pi r_k l)`,
+`r_k = 1 + f_k / fc` and `q = gamma^2 / (1 - gamma^2)`: the direction of v is the combination of noise that makes the
+rival win. While l runs over a cell of lags, v runs over a curve, and the chance that one of its rivals wins is that of
+a Gaussian beyond a curve (Craig's and Simon's form; for rivals of all phases, a great circle, it is exact):
+
+    P = (1 / 2 pi) int |d direction(v)| exp(-|v|^2 / 2)
+      = (1 / 2) int_q^inf dt int dl sqrt(det A) exp(-t sum_k e_k S_k^2),
+    det A = sum_(j<k) e_j e_k (S_j C_k - S_k C_j)^2,    C_k = r_k cos(pi r_k l).
+
+To leading order in 1/q that is Kac's and Rice's number of pairs of a peak near the truth and a higher one in the cell,
+both moving with their phase; that it holds for the truth's peak too shows in the symmetry of S and C. Narrow bands have
+`r = 1`, and it is the envelope pair. A cross-correlation errs where its envelope peaks beyond the lag of opposite
+phase. Its slope there is the one combination of noise beside the phase that matters, both linear in frequency; so v is
+projected onto the plane of 1 and f (weighted by e), where the form is exact for any curve.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from .band_lines import band_lines
+from .conventions import Floats
+from .envelope_pair import mean_root
+from .quadrature import unit_gauss_legendre
+
+LINES = 12
+FEW_LINES = 5
+STEP = 0.35
+_DEEPEST = 100.0
+_ROUNDS = 7
+
+
+@lru_cache(maxsize=4096)
+def log_pair_curve(
+    looks: int, relative_bandwidth: float, cell: tuple[float, float], projected: bool
+) -> PchipInterpolator:
+    """
+    `log P` of one `cell` of lags (wraps) against `log q`, for N > 1 whole looks; a straight line beyond 1e-40.
+
+    `projected` is for the envelope's peak, else the passband's.
+    """
+    position, shapes = band_lines(looks, LINES)
+    offset = relative_bandwidth * position
+    middle = 0.5 * (cell[0] + cell[1])
+    typical = np.sum(shapes * np.sin(np.pi * offset * middle) ** 2) / looks
+    last = np.log(np.expm1(min(_DEEPEST / looks, 46.0)) / typical) + 3.0
+    u = np.arange(np.log(1e-4 / looks), last, STEP)
+    t = np.exp(u)
+    lag, weight = _lags(offset, shapes, t, cell)
+    sine, cosine = _rival(offset, lag)
+    if projected:
+        kept, root = _projected(offset, shapes, t, sine, cosine)
+    else:
+        kept, root = sine**2, _root(_wedge2(offset, lag), shapes, 1.0 / (1.0 + t[:, None, None] * sine**2))
+    log_product = -(np.log1p(t[:, None, None] * kept) @ shapes)
+    peak = np.max(log_product, axis=1)
+    density = t * np.sum(weight * np.exp(log_product - peak[:, None]) * root, axis=1)
+    return _tail(u, np.log(0.5 * density) + peak)
+
+
+def _rival(offset: Floats, lag: Floats) -> tuple[Floats, Floats]:
+    """S and C of every line (..., lines), without cancellation near whole wraps."""
+    whole = np.rint(lag)
+    turn = np.pi * ((lag - whole)[..., None] + offset * lag[..., None])
+    sign = np.where(whole % 2 == 0, 1.0, -1.0)[..., None]
+    return sign * np.sin(turn), sign * (1.0 + offset) * np.cos(turn)
+
+
+def _wedge2(offset: Floats, lag: Floats) -> Floats:
+    """`(S_j C_k - S_k C_j)^2` of every two lines (..., lines, lines)."""
+    apart, joint = offset[:, None] - offset, 2.0 + offset[:, None] + offset
+    at = np.pi * lag[..., None, None]
+    result: Floats = 0.25 * (joint * np.sin(apart * at) - apart * np.sin(joint * at)) ** 2
+    return result
+
+
+def _root(wedge2: Floats, shapes: Floats, scales: Floats) -> Floats:
+    """Mean of `sqrt(det A)` for independent gamma line powers, its first two moments exact."""
+    power = shapes * scales
+    variance = power * scales
+    partner = (wedge2 @ power[..., None])[..., 0]
+    pairs = (wedge2**2 @ variance[..., None])[..., 0]
+    mean = 0.5 * np.sum(power * partner, axis=-1)
+    return mean_root(mean, np.sum(variance * (partner**2 + 0.5 * pairs), axis=-1))
+
+
+def _projected(offset: Floats, shapes: Floats, t: Floats, sine: Floats, cosine: Floats) -> tuple[Floats, Floats]:
+    """
+    `2 S L - L^2` and `sqrt(det A)` with S and C replaced by their lines of regression on frequency.
+
+    L is that of S for the mean powers. `sum e (2 S L - L^2)` differs from the squared projection, its maximum over all
+    L, to second order only.
+    """
+    scales = 1.0 / (1.0 + t[:, None, None] * sine**2)
+    power = shapes * scales
+    total = np.sum(power, axis=-1, keepdims=True)
+    centred = offset - np.sum(power * offset, axis=-1, keepdims=True) / total
+    spread = np.sum(power * centred**2, axis=-1, keepdims=True)
+    level, level_c = (np.sum(power * x, axis=-1, keepdims=True) / total for x in (sine, cosine))
+    slope, slope_c = (np.sum(power * x * centred, axis=-1, keepdims=True) / spread for x in (sine, cosine))
+    kept = np.maximum(sine**2 - (sine - level - slope * centred) ** 2, 0.0)
+    turn = np.abs(level * slope_c - slope * level_c)[..., 0]
+    return kept, turn * _root((offset[:, None] - offset) ** 2, shapes, scales)
+
+
+def _lags(offset: Floats, shapes: Floats, t: Floats, cell: tuple[float, float]) -> tuple[Floats, Floats]:
+    """Nodes and weights over the cell, (t, nodes), dense where the rivals of the lines or of the band win."""
+    low, high = cell
+    if shapes.size <= FEW_LINES:
+        turns = np.arange(1.0, np.ceil(2.0 * high) + 1.0)
+        at = np.unique(turns[:, None] / (1.0 + offset))
+        at = at[(at > low) & (at < high)]
+        peaks = np.tile(at if at.size else [0.5 * (low + high)], (t.size, 1))
+        width = np.minimum(0.6 / np.sqrt(t), 1.0)[:, None]
+        x, w = unit_gauss_legendre(10)
+    else:
+        peaks = _best_lag(offset, shapes, t, cell)[:, None]
+        sine, cosine = _rival(offset, peaks)
+        pull = np.sum(2.0 * np.pi**2 * shapes * (1.0 + offset) ** 2 / (1.0 / t[:, None, None] + sine**2), axis=-1)
+        width = np.minimum(1.0 / np.sqrt(pull), 1.0)
+        x, w = unit_gauss_legendre(18)
+    edges = np.column_stack([np.full(t.size, low), 0.5 * (peaks[:, 1:] + peaks[:, :-1]), np.full(t.size, high)])
+    nodes, weights = [], []
+    for sign, reach in ((-1.0, peaks - edges[:, :-1]), (1.0, edges[:, 1:] - peaks)):
+        span = np.arcsinh(reach / width)[..., None]
+        nodes.append(peaks[..., None] + sign * width[..., None] * np.sinh(span * x))
+        weights.append(span * w * width[..., None] * np.cosh(span * x))
+    return (
+        np.concatenate(nodes, axis=-1).reshape(t.size, -1),
+        np.concatenate(weights, axis=-1).reshape(t.size, -1),
+    )
+
+
+def _best_lag(offset: Floats, shapes: Floats, t: Floats, cell: tuple[float, float]) -> Floats:
+    """Lag in the cell at which the rivals win most often."""
+    low, high = np.full(t.size, cell[0]), np.full(t.size, cell[1])
+    row = np.arange(t.size)
+    for _ in range(_ROUNDS):
+        lag = np.linspace(low, high, 17, axis=1)
+        sine, _c = _rival(offset, lag)
+        best = np.argmin(np.log1p(t[:, None, None] * sine**2) @ shapes, axis=1)
+        low, high = lag[row, np.maximum(best - 1, 0)], lag[row, np.minimum(best + 1, 16)]
+    return 0.5 * (low + high)
+
+
+def _tail(u: Floats, log_density: Floats) -> PchipInterpolator:
+    """Log of the integral above u of a density given by its log at the knots u; nothing is added below them."""
+    x, w = unit_gauss_legendre(6)
+    nodes = u[:-1, None] + STEP * x
+    piece = STEP * np.exp(PchipInterpolator(u, log_density)(nodes)) @ w
+    above = np.cumsum(piece[::-1])[::-1]
+    count = int(np.count_nonzero(above > 1e-40))
+    curve = np.log(above[:count])
+    far = np.array([-1e4, 0.0, 1e4])
+    knots = np.concatenate([[u[0] - 1e4], u[:count], [u[count - 1] + 1e4]])
+    fall = (curve[-1] - curve[-2]) / STEP
+    return PchipInterpolator(knots, np.concatenate([curve[:1], curve, [curve[-1] + fall * far[2]]]))
