@@ -19,15 +19,15 @@ from .multilook import (
     multilook_phase_std,
     sample_multilook_phase,
 )
+from .passband_wrap_errors import (
+    cross_correlation_wrap_error_probability,
+    likelihood_wrap_error_probability,
+)
 from .sample_coherence import (
     sample_coherence_mean,
     sample_coherence_pdf,
     sample_coherence_std,
     sample_sample_coherence,
-)
-from .passband_wrap_errors import (
-    cross_correlation_wrap_error_probability,
-    likelihood_wrap_error_probability,
 )
 from .split_spectrum import split_spectrum_wrap_error_probability
 from .wrap_errors import (

@@ -40,9 +40,7 @@ def _floor(n: Floats) -> Floats:
     # Stirling's series, where the beta function loses digits.
     u = 1.0 / np.maximum(n, 50.0)
     series = u * (1.0 / 8.0 - u**2 * (1.0 / 192.0 - u**2 * (1.0 / 640.0 - u**2 * 17.0 / 14336.0)))
-    result: Floats = np.where(
-        n < 50.0, 0.5 * beta(np.minimum(n, 50.0), 0.5), np.sqrt(0.25 * np.pi * u) * np.exp(series)
-    )
+    result: Floats = np.where(n < 50.0, 0.5 * beta(np.minimum(n, 50.0), 0.5), np.sqrt(0.25 * np.pi * u) * np.exp(series))
     return result
 
 

@@ -33,7 +33,12 @@ from .quadrature import unit_gauss_legendre
 LINES = 12
 FEW_LINES = 5
 STEP = 0.35
-_DEEPEST = 100.0
+OFFSET = 2.0
+_LEAST = 1e-50
+_DEEPEST = 120.0
+_LAST = 33.0
+_FAR = 1e4
+_MANY = 1_000_000
 _ROUNDS = 7
 
 
@@ -42,16 +47,34 @@ def log_pair_curve(
     looks: int, relative_bandwidth: float, cell: tuple[float, float], projected: bool
 ) -> PchipInterpolator:
     """
-    `log P` of one `cell` of lags (wraps) against `log q`, for N > 1 whole looks; a straight line beyond 1e-40.
+    `log(2 - log P)` of one `cell` of lags (wraps) against `log q`, for N > 1 whole looks; straight below 1e-50.
 
-    `projected` is for the envelope's peak, else the passband's.
+    `projected` is for the envelope's peak, else the passband's. Without coherence P cannot depend on looks, and is
+    scaled by a few percent at most, for bands up to the centre frequency, to that of many.
     """
+    u, tail = _tail(looks, relative_bandwidth, cell, projected)
+    tail = tail / tail[0] * _without_coherence(relative_bandwidth, cell, projected)
+    count = int(np.count_nonzero(tail > _LEAST))
+    curve = np.log(OFFSET - np.log(tail[:count]))
+    rise = (curve[-1] - curve[-2]) / STEP
+    knots = np.concatenate([[u[0] - _FAR], u[:count], [u[count - 1] + _FAR]])
+    return PchipInterpolator(knots, np.concatenate([curve[:1], curve, [curve[-1] + rise * _FAR]]))
+
+
+@lru_cache(maxsize=4096)
+def _without_coherence(relative_bandwidth: float, cell: tuple[float, float], projected: bool) -> float:
+    """The integral over all t for many looks."""
+    return float(_tail(_MANY, relative_bandwidth, cell, projected)[1][0])
+
+
+def _tail(looks: int, relative_bandwidth: float, cell: tuple[float, float], projected: bool) -> tuple[Floats, Floats]:
+    """Knots `u = log t`, and the integral of the density above each; nothing is added below the first."""
     position, shapes = band_lines(looks, LINES)
     offset = relative_bandwidth * position
     middle = 0.5 * (cell[0] + cell[1])
     typical = np.sum(shapes * np.sin(np.pi * offset * middle) ** 2) / looks
     last = np.log(np.expm1(min(_DEEPEST / looks, 46.0)) / typical) + 3.0
-    u = np.arange(np.log(1e-4 / looks), last, STEP)
+    u = np.arange(np.log(3e-4 / looks), min(last, _LAST), STEP)
     t = np.exp(u)
     lag, weight = _lags(offset, shapes, t, cell)
     sine, cosine = _rival(offset, lag)
@@ -62,7 +85,11 @@ def log_pair_curve(
     log_product = -(np.log1p(t[:, None, None] * kept) @ shapes)
     peak = np.max(log_product, axis=1)
     density = t * np.sum(weight * np.exp(log_product - peak[:, None]) * root, axis=1)
-    return _tail(u, np.log(0.5 * density) + peak)
+    x, w = unit_gauss_legendre(6)
+    between = PchipInterpolator(u, np.log(0.5 * density) + peak)(u[:-1, None] + STEP * x)
+    piece = STEP * np.exp(between) @ w
+    tail: Floats = np.cumsum(piece[::-1])[::-1]
+    return u[:-1], tail
 
 
 def _rival(offset: Floats, lag: Floats) -> tuple[Floats, Floats]:
@@ -74,10 +101,21 @@ def _rival(offset: Floats, lag: Floats) -> tuple[Floats, Floats]:
 
 
 def _wedge2(offset: Floats, lag: Floats) -> Floats:
-    """`(S_j C_k - S_k C_j)^2` of every two lines (..., lines, lines)."""
-    apart, joint = offset[:, None] - offset, 2.0 + offset[:, None] + offset
-    at = np.pi * lag[..., None, None]
-    result: Floats = 0.25 * (joint * np.sin(apart * at) - apart * np.sin(joint * at)) ** 2
+    """
+    `(S_j C_k - S_k C_j)^2` of every two lines (..., lines, lines), without cancellation in narrow bands.
+
+    With `d_k = pi l f_k / fc` it is the square of
+    `(r_j + r_k) / 2 sin(d_j - d_k) - (r_j - r_k) / 2 sin(2 pi l + d_j + d_k)`.
+    """
+    turn = np.pi * offset * lag[..., None]
+    sine, cosine = np.sin(turn), np.cos(turn)
+    joint = turn + np.pi * (lag - np.rint(lag))[..., None]
+    sine_j, cosine_j = np.sin(joint), np.cos(joint)
+    first = sine[..., :, None] * cosine[..., None, :]
+    second = sine_j[..., :, None] * cosine_j[..., None, :]
+    near = (1.0 + 0.5 * (offset[:, None] + offset)) * (first - np.swapaxes(first, -1, -2))
+    far = 0.5 * (offset[:, None] - offset) * (second + np.swapaxes(second, -1, -2))
+    result: Floats = (near - far) ** 2
     return result
 
 
@@ -119,10 +157,10 @@ def _lags(offset: Floats, shapes: Floats, t: Floats, cell: tuple[float, float]) 
         at = at[(at > low) & (at < high)]
         peaks = np.tile(at if at.size else [0.5 * (low + high)], (t.size, 1))
         width = np.minimum(0.6 / np.sqrt(t), 1.0)[:, None]
-        x, w = unit_gauss_legendre(10)
+        x, w = unit_gauss_legendre(14)
     else:
         peaks = _best_lag(offset, shapes, t, cell)[:, None]
-        sine, cosine = _rival(offset, peaks)
+        sine, _ = _rival(offset, peaks)
         pull = np.sum(2.0 * np.pi**2 * shapes * (1.0 + offset) ** 2 / (1.0 / t[:, None, None] + sine**2), axis=-1)
         width = np.minimum(1.0 / np.sqrt(pull), 1.0)
         x, w = unit_gauss_legendre(18)
@@ -144,21 +182,8 @@ def _best_lag(offset: Floats, shapes: Floats, t: Floats, cell: tuple[float, floa
     row = np.arange(t.size)
     for _ in range(_ROUNDS):
         lag = np.linspace(low, high, 17, axis=1)
-        sine, _c = _rival(offset, lag)
+        sine, _ = _rival(offset, lag)
         best = np.argmin(np.log1p(t[:, None, None] * sine**2) @ shapes, axis=1)
         low, high = lag[row, np.maximum(best - 1, 0)], lag[row, np.minimum(best + 1, 16)]
-    return 0.5 * (low + high)
-
-
-def _tail(u: Floats, log_density: Floats) -> PchipInterpolator:
-    """Log of the integral above u of a density given by its log at the knots u; nothing is added below them."""
-    x, w = unit_gauss_legendre(6)
-    nodes = u[:-1, None] + STEP * x
-    piece = STEP * np.exp(PchipInterpolator(u, log_density)(nodes)) @ w
-    above = np.cumsum(piece[::-1])[::-1]
-    count = int(np.count_nonzero(above > 1e-40))
-    curve = np.log(above[:count])
-    far = np.array([-1e4, 0.0, 1e4])
-    knots = np.concatenate([[u[0] - 1e4], u[:count], [u[count - 1] + 1e4]])
-    fall = (curve[-1] - curve[-2]) / STEP
-    return PchipInterpolator(knots, np.concatenate([curve[:1], curve, [curve[-1] + fall * far[2]]]))
+    result: Floats = 0.5 * (low + high)
+    return result

@@ -19,12 +19,13 @@ from numpy.typing import ArrayLike
 from scipy.special import ndtr, ndtri, owens_t
 
 from .conventions import MOST_LOOKS, Floats, open_ratio, within
-from .passband_pair import log_pair_curve
+from .passband_pair import OFFSET, log_pair_curve
 from .wrap_errors import stencil
 
 MOST_WRAPS = 5
 NODES = np.unique(np.concatenate([np.arange(2, 12), np.round(np.geomspace(12, 1.5e9, 70))])).astype(np.int64)
 RARE = 1e-9
+LEAST = 1e-30
 _NOISE = np.arange(-8.0, 8.01, 0.5)
 _SHARE = 0.5 * np.exp(-0.5 * _NOISE**2) / np.sqrt(2.0 * np.pi)
 
@@ -93,17 +94,19 @@ def _rate(looks: Floats, gamma: Floats, ratio: float, reach: float, projected: b
         return np.zeros(looks.shape)
     cells = [(m - 0.5, min(m + 0.5, reach)) for m in wraps]
     each = np.array([_one_side(looks, gamma, ratio, c, projected and c[0] < 1.0) for c in cells])
-    # How much they overlap is not resolved below RARE, and no longer changes.
-    raised = np.maximum(RARE / np.maximum(each[0], 1e-300), 1.0)
-    scaled = np.clip(each * raised, 1e-300, 0.5)
-    return np.minimum(2.0 * np.sum(each, axis=0) * _overlap(scaled, wraps, ratio), 1.0 - 0.5 / reach)
+    # How much they overlap is not resolved below RARE, and hardly changes.
+    most = np.maximum(np.max(each, axis=0), 1e-300)
+    scaled = np.maximum(each / most, 1e-200) * np.maximum(most, RARE)
+    result: Floats = np.minimum(2.0 * np.sum(each, axis=0) * _overlap(scaled, wraps, ratio), 1.0 - 0.5 / reach)
+    return result
 
 
 def _one_side(looks: Floats, gamma: Floats, ratio: float, cell: tuple[float, float], projected: bool) -> Floats:
-    """P of one cell; its logarithm over `N - 1` is interpolated over log N between whole looks."""
+    """P of one cell, zero below LEAST; interpolated over N between whole looks, from one half at one look."""
     with np.errstate(divide="ignore"):
         log_q = np.clip(2.0 * np.log(gamma) - np.log1p(-gamma) - np.log1p(gamma), -1e3, 1e3)
-    first, weights = stencil(looks, NODES)
+    whole = np.maximum(looks, 2.0)
+    first, weights = stencil(whole, NODES)
     height = np.zeros(looks.shape)
     for node in range(int(np.min(first)), int(np.max(first)) + 4):
         member = node - first
@@ -111,11 +114,12 @@ def _one_side(looks: Floats, gamma: Floats, ratio: float, cell: tuple[float, flo
         weight = weights[used, member[used]]
         used, weight = used[weight != 0.0], weight[weight != 0.0]
         if used.size:
-            whole = int(NODES[node])
-            height[used] += weight * log_pair_curve(whole, ratio, cell, projected)(log_q[used]) / (whole - 1.0)
-    with np.errstate(over="ignore"):
-        p = np.exp(height * (looks - 1.0))
-    return np.where(gamma < 1.0, np.minimum(p, 0.5), np.where(looks > 1.0, 0.0, 0.5))
+            curve = log_pair_curve(int(NODES[node]), ratio, cell, projected)
+            height[used] += weight * (curve(log_q[used]) - np.log(NODES[node]))
+    exponent = np.exp(np.minimum(height, 600.0)) * whole - OFFSET
+    exponent = np.log(2.0) + np.clip(looks - 1.0, 0.0, 1.0) * np.maximum(exponent - np.log(2.0), 0.0)
+    p = np.where(exponent < -np.log(LEAST), np.exp(-exponent), 0.0)
+    return np.where(gamma < 1.0, p, np.where(looks > 1.0, 0.0, 0.5))
 
 
 def _overlap(each: Floats, wraps: Floats, ratio: float) -> Floats:

@@ -114,9 +114,7 @@ def _std_in_wraps(lags: _Lags) -> Floats:
     sides = np.linspace(-1.0, 1.0, 4 * FLANK + 1) if lags.few else np.linspace(0.0, 1.0, FLANK)
     flank = (lags.scale[:, None] * np.sinh(span * sides))[element]
     steps = np.linspace(0.5, 1.0, int(PER_PERIOD * np.max(lags.prior)) // 8 + 2) * lags.prior[:, None]
-    who = np.concatenate(
-        [np.repeat(every, MAIN_LOBE), np.repeat(element, sides.size), np.repeat(every, steps.shape[1])]
-    )
+    who = np.concatenate([np.repeat(every, MAIN_LOBE), np.repeat(element, sides.size), np.repeat(every, steps.shape[1])])
     h = np.concatenate([main.ravel(), (peak[:, None] + flank).ravel(), steps.ravel()])
     h = np.clip(h, 0.0, lags.prior[who])
     order = np.lexsort((h, who))
