@@ -3,19 +3,21 @@ Probability that the passband correlation peaks higher around some wrong lag tha
 
 Given the line powers e_k of the primary, the passband correlations at the truth and at a rival l wraps away differ by
 a Gaussian whose mean over its deviation is `|v|`, `v_k = sqrt(2 q e_k) S_k`, with `S_k = sin(pi r_k l)`,
-`r_k = 1 + f_k / fc` and `q = gamma^2 / (1 - gamma^2)`: the direction of v is the combination of noise that makes the
-rival win. While l runs over a cell of lags, v runs over a curve, and the chance that one of its rivals wins is that of
-a Gaussian beyond a curve (Craig's and Simon's form; for rivals of all phases, a great circle, it is exact):
+`r_k = 1 + f_k / fc` and `q = gamma^2 / (1 - gamma^2)`; v points along the noise that makes the rival win. While l runs
+over a cell of lags, a wrap wide, v runs over a curve, and its rivals win with the probability
 
     P = (1 / 2 pi) int |d direction(v)| exp(-|v|^2 / 2)
       = (1 / 2) int_q^inf dt int dl sqrt(det A) exp(-t sum_k e_k S_k^2),
     det A = sum_(j<k) e_j e_k (S_j C_k - S_k C_j)^2,    C_k = r_k cos(pi r_k l).
 
-To leading order in 1/q that is Kac's and Rice's number of pairs of a peak near the truth and a higher one in the cell,
-both moving with their phase; that it holds for the truth's peak too shows in the symmetry of S and C. Narrow bands have
-`r = 1`, and it is the envelope pair. A cross-correlation errs where its envelope peaks beyond the lag of opposite
-phase. Its slope there is the one combination of noise beside the phase that matters, both linear in frequency; so v is
-projected onto the plane of 1 and f (weighted by e), where the form is exact for any curve.
+For large q this is, to leading order, the number of pairs of a peak near the truth and a higher one in the cell (Kac
+and Rice's formula, both peaks moving with their phase). Where v stays in a plane it is exact: a Gaussian beyond a curve
+(Craig's and Simon's form). With `r = 1` in C and with its l a whole wrap in the phases of f_k, v is half a great circle
+and this is the envelope pair. Exponential e_k are averaged as in `envelope_pair`.
+
+A cross-correlation errs where its envelope still rises at the lag of opposite phase. Phase and slope there are two
+combinations of the noise, constant and linear in frequency; v is projected onto their plane, lines of regression on f
+for S and C.
 """
 
 from __future__ import annotations

@@ -24,6 +24,8 @@ from .wrap_errors import stencil
 
 MOST_WRAPS = 5
 NODES = np.unique(np.concatenate([np.arange(2, 12), np.round(np.geomspace(12, 1.5e9, 70))])).astype(np.int64)
+# Widest band whose phases S at the edge of the first cell, 3/2 wraps, are within pi/2 of its centre's.
+PLANE = 2.0 / 3.0
 RARE = 1e-9
 LEAST = 1e-30
 _NOISE = np.arange(-8.0, 8.01, 0.5)
@@ -36,16 +38,20 @@ def cross_correlation_wrap_error_probability(
     """
     Predicted wrap-error probability of the peak of the cross-correlation's envelope, refined by its phase.
 
-    Unlike `wrap_error_probability` it lets the rival's peak lie anywhere about a wrap, as its phase moves with the
-    delay, and has all wraps up to `search_wraps`, where the search for the peak ends: `1 / B` by default, that is
-    `fc / B` wraps. At most five wraps on either side count; no probability is above that of a guess.
+    A prediction, not a bound. Unlike `wrap_error_probability`, it lets the rival's peak lie anywhere about a wrap, as
+    that moves with its phase, and has the wraps of the whole search, up to `search_wraps` on either side: `1 / B` by
+    default, that is `fc / B` wraps. Only the nearest five count, and no probability is above that of a guess.
 
     `looks` N is real, 1 to 1e9, `coherence` in [0, 1], `relative_bandwidth` `B / fc` above 0 and below 2; they
     broadcast, and outside these ranges the result is NaN. ValueError for a search of 0 or less.
 
-    A prediction, not a bound.
+    For 9 to 243 looks, `B / fc` of .1, .3 and .6 and rates from 1e-6 to .5, 119 of 120 rates simulated with 60,000
+    records are within 5 % of it, and the worst 5.2 % (true delay even within half a wrap, odd whole looks). In wider
+    bands it is 5 to 10 % off at `B / fc` = .8 and 33 looks, more at a few, and of the right order above 1. The
+    average over speckle spectra is within 1 % of exact down to 1e-9. Rates below 1e-30 are not resolved and zero. It
+    falls with coherence, and with looks from four on, to about 1e-5; fewer lines may alias.
     """
-    return _any_wrap(looks, coherence, relative_bandwidth, _checked(search_wraps), 0.0, projected=True)
+    return _any_wrap(looks, coherence, relative_bandwidth, _checked(search_wraps), 0.0, envelope=True)
 
 
 def likelihood_wrap_error_probability(
@@ -55,9 +61,10 @@ def likelihood_wrap_error_probability(
     Predicted wrap-error probability of the highest peak of the passband correlation: coherent maximum likelihood.
 
     As `cross_correlation_wrap_error_probability`, but that the search takes in the wrap beyond `search_wraps`
-    (`MaximumLikelihood` calls a peak there not valid).
+    (`MaximumLikelihood` calls a peak there not valid, and does not look elsewhere). Of the same 120 rates 117 are
+    within 5 %, the worst but one, which 60,000 records leave uncertain by 18 %, 6.7 %.
     """
-    return _any_wrap(looks, coherence, relative_bandwidth, _checked(search_wraps), 1.0, projected=False)
+    return _any_wrap(looks, coherence, relative_bandwidth, _checked(search_wraps), 1.0, envelope=False)
 
 
 def _checked(search_wraps: float | None) -> float | None:
@@ -73,7 +80,7 @@ def _any_wrap(
     search_wraps: float | None,
     beyond: float,
     *,
-    projected: bool,
+    envelope: bool,
 ) -> Floats:
     n, gamma, ratio = np.broadcast_arrays(
         within(looks, 1.0, MOST_LOOKS), within(coherence, 0.0, 1.0), open_ratio(relative_bandwidth)
@@ -83,17 +90,19 @@ def _any_wrap(
     for value in np.unique(ratio[valid]):
         chosen = valid & (ratio == value)
         reach = (1.0 / value if search_wraps is None else search_wraps) + beyond
-        result[chosen] = _rate(n[chosen], gamma[chosen], float(value), float(reach), projected)
+        result[chosen] = _rate(n[chosen], gamma[chosen], float(value), float(reach), envelope)
     return result
 
 
-def _rate(looks: Floats, gamma: Floats, ratio: float, reach: float, projected: bool) -> Floats:
+def _rate(looks: Floats, gamma: Floats, ratio: float, reach: float, envelope: bool) -> Floats:
     """At one bandwidth, for one-dimensional arguments."""
     wraps = np.arange(1.0, min(np.ceil(reach - 0.5), MOST_WRAPS) + 1.0)
     if wraps.size == 0:
         return np.zeros(looks.shape)
-    cells = [(m - 0.5, min(m + 0.5, reach)) for m in wraps]
-    each = np.array([_one_side(looks, gamma, ratio, c, projected and c[0] < 1.0) for c in cells])
+    # An envelope that still rises at the first cell's lag of opposite phase errs, wherever its peak is.
+    cells = [(m - 0.5, m + 0.5 if envelope and m < 2.0 else min(m + 0.5, reach)) for m in wraps]
+    plane = envelope and ratio <= PLANE
+    each = np.array([_one_side(looks, gamma, ratio, c, plane and c[0] < 1.0) for c in cells])
     # How much they overlap is not resolved below RARE, and hardly changes.
     most = np.maximum(np.max(each, axis=0), 1e-300)
     scaled = np.maximum(each / most, 1e-200) * np.maximum(most, RARE)
