@@ -19,6 +19,10 @@ from .multilook import (
     multilook_phase_std,
     sample_multilook_phase,
 )
+from .passband_wrap_errors import (
+    cross_correlation_wrap_error_probability,
+    likelihood_wrap_error_probability,
+)
 from .sample_coherence import (
     sample_coherence_mean,
     sample_coherence_pdf,
@@ -37,6 +41,7 @@ __all__ = [
     "coherence_from_snr",
     "coherent_delay_crlb",
     "coherent_pair_probability",
+    "cross_correlation_wrap_error_probability",
     "debias_coherence",
     "depth_crlb",
     "effective_looks",
@@ -45,6 +50,7 @@ __all__ = [
     "gaussian_wrap_error_probability",
     "group_delay_crlb",
     "intensity_delay_crlb",
+    "likelihood_wrap_error_probability",
     "lugannani_rice_pair_probability",
     "multilook_phase_cdf",
     "multilook_phase_pdf",

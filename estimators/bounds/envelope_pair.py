@@ -48,8 +48,12 @@ def matched_root_determinant(theta: Floats, shapes: Floats, scales: Floats) -> F
     sine2 = np.sin(0.5 * (theta[:, None] - theta)) ** 2
     partner = mean_power @ sine2
     mean = 0.5 * np.sum(mean_power * partner, axis=-1)
-    spread = np.sum(variance * (partner**2 + 0.5 * (variance @ sine2**2)), axis=-1)
-    c = spread / mean**2
+    return mean_root(mean, np.sum(variance * (partner**2 + 0.5 * (variance @ sine2**2)), axis=-1))
+
+
+def mean_root(mean: Floats, variance: Floats) -> Floats:
+    """Mean root of what has this mean and variance, if the root is gamma distributed."""
+    c = variance / mean**2
     shape = (4.0 - c + np.sqrt((c - 4.0) ** 2 + 24.0 * c)) / (2.0 * c)
     result: Floats = np.sqrt(mean * shape / (shape + 1.0))
     return result
@@ -133,7 +137,7 @@ def log_exponent_curve(looks: int, relative_bandwidth: float) -> PPoly:
     return _log_exponent(u, log_density)
 
 
-def _log_density(theta: Floats, shapes: Floats, u: Floats, mean_root: RootDeterminant) -> Floats:
+def _log_density(theta: Floats, shapes: Floats, u: Floats, root: RootDeterminant) -> Floats:
     """Log of the integrand over `u = log t`, the directions being integrated out."""
     t = np.exp(u)
     few = theta.size <= FEW_LINES
@@ -141,7 +145,7 @@ def _log_density(theta: Floats, shapes: Floats, u: Floats, mean_root: RootDeterm
     rate = 1.0 + t[:, None, None] * np.sin(0.5 * (theta - delta[..., None])) ** 2
     log_product = -(np.log(rate) @ shapes)
     peak = np.max(log_product, axis=1)
-    integrand = np.exp(log_product - peak[:, None]) * mean_root(theta, shapes, 1.0 / rate)
+    integrand = np.exp(log_product - peak[:, None]) * root(theta, shapes, 1.0 / rate)
     result: Floats = u + peak + np.log(np.sum(weight * integrand, axis=1) / (4.0 * np.pi))
     return result
 

@@ -82,7 +82,7 @@ def _exponent(looks: Floats, gamma: Floats, ratio: float) -> Floats:
     """`-log(2 E[P])`; its ratio to `N - 1` is interpolated in logs over N between whole looks."""
     with np.errstate(divide="ignore"):
         log_q = np.clip(2.0 * np.log(gamma) - np.log1p(-gamma) - np.log1p(gamma), -1e3, 1e3)
-    first, weights = _stencil(looks)
+    first, weights = stencil(looks, NODES)
     height = np.zeros(looks.shape)
     for node in range(int(np.min(first)), int(np.max(first)) + 4):
         member = node - first
@@ -111,11 +111,11 @@ def _between_one_and_two(looks: Floats, gamma: Floats, ratio: float) -> Floats:
     return result
 
 
-def _stencil(looks: Floats) -> tuple[NDArray[np.int64], Floats]:
+def stencil(looks: Floats, nodes: NDArray[np.int64]) -> tuple[NDArray[np.int64], Floats]:
     """First of four neighbouring nodes and their Lagrange weights in log N; below two looks, those of two."""
     x = np.log(np.maximum(looks, 2.0))
-    first = np.clip(np.searchsorted(NODES, looks, side="right") - 2, 0, NODES.size - 4)
-    at = np.log(NODES)[first[:, None] + np.arange(4)]
+    first = np.clip(np.searchsorted(nodes, looks, side="right") - 2, 0, nodes.size - 4)
+    at = np.log(nodes)[first[:, None] + np.arange(4)]
     weights = np.ones(at.shape)
     for i in range(4):
         for j in range(4):
