@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from estimators import Estimator, MaximumLikelihood, SplitSpectrum, bounds
+from estimators import CrossCorrelation, Estimator, FullBandPhaseSlope, MaximumLikelihood, SplitSpectrum, bounds
 from sim import EchoPair, Sonar
 from studies.attempt import Attempt, attempt
 from studies.design import Task
@@ -114,11 +114,20 @@ def expected(estimator: Estimator, looks: float, world: World, sonar: Sonar) -> 
 
 
 def predicted_wrap_rate(estimator: Estimator, looks: float, coherence: float, sonar: Sonar) -> float:
-    """Wrap-error rate of an estimator of its kind: split spectrum, or the peak of a coherent correlation."""
+    """Wrap-error rate of an estimator of its kind.
+
+    Maximum likelihood, a peak that its phase refines, the split spectrum; for all others the peak of the envelope alone.
+    """
     ratio = sonar.relative_bandwidth
+    search = getattr(estimator, "search", None)
+    wraps = None if search is None else search * sonar.centre_frequency
     if isinstance(estimator, SplitSpectrum):
         share = (estimator.sub_bandwidth or sonar.bandwidth / 3) / sonar.bandwidth
         return float(bounds.split_spectrum_wrap_error_probability(looks, coherence, ratio, sub_band_share=share))
+    if isinstance(estimator, MaximumLikelihood):
+        return float(bounds.likelihood_wrap_error_probability(looks, coherence, ratio, wraps))
+    if isinstance(estimator, CrossCorrelation | FullBandPhaseSlope) and estimator.refine:
+        return float(bounds.cross_correlation_wrap_error_probability(looks, coherence, ratio, wraps))
     return float(bounds.wrap_error_probability(looks, coherence, ratio))
 
 
