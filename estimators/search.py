@@ -132,7 +132,8 @@ def by_rows(
 
 def _scale(series: Complex) -> float:
     largest = float(max(np.abs(series.real).max(), np.abs(series.imag).max()))
-    return float(2.0 ** -np.frexp(largest)[1]) if largest > 0 else 1.0
+    # Of the smallest numbers no power of two makes 1: they are lifted as far as one can.
+    return float(2.0 ** min(-int(np.frexp(largest)[1]), 1000)) if largest > 0 else 1.0
 
 
 def refined_delay(peak: Peak, centre_frequency: float) -> Real:
@@ -190,7 +191,7 @@ def describe(
             np.broadcast_to(array, pair.shape)
             for array in (
                 refined_delay(peak, pair.centre_frequency) if refine else peak.delay,
-                -np.angle(peak.product),
+                np.pi - np.mod(np.angle(peak.product) + np.pi, 2 * np.pi),
                 coherence,
                 predicted_std(bound, search),
                 wrong,

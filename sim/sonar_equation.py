@@ -101,7 +101,7 @@ def sonar_equation(
         raise ValueError(f"ground_range is {np.min(y):g} m at the least; all must be finite and not below 0 m")
     slant = np.hypot(y, sonar.altitude)
     half = sonar.range_resolution / 2
-    near = np.sqrt(np.maximum((slant - half) ** 2 - sonar.altitude**2, 0.0))
+    near = np.sqrt(np.maximum(np.maximum(slant - half, 0.0) ** 2 - sonar.altitude**2, 0.0))
     # The difference of two roots, without loss of digits at long range.
     far = np.sqrt((slant + half) ** 2 - sonar.altitude**2)
     length = np.where(near > 0, 4 * slant * half / (far + near), far)

@@ -93,9 +93,12 @@ def seen_at(scene: Scene, sonar: Sonar, time: Real, receiver_altitude: float) ->
     qc = 4 * path**2 * c - known**2
     discriminant = qb**2 - qa * qc
     root = np.sqrt(np.maximum(discriminant, 0.0))
+    # No length of seabed and no path have no echo.
+    exists = qa > 0
+    qa = np.where(exists, qa, 1.0)
     share = np.concatenate([(-qb - root) / qa, (-qb + root) / qa])
     segment = np.broadcast_to(np.tile(np.arange(len(a)), 2)[:, None], share.shape)
-    real = np.tile(discriminant >= 0, (2, 1)) & (share >= 0) & (share < 1)
+    real = np.tile(exists & (discriminant >= 0), (2, 1)) & (share >= 0) & (share < 1)
     points = SeabedPoints(segment, np.where(real, share, 0.0))
     seen = sees(scene, points, sonar.altitude) & sees(scene, points, receiver_altitude)
     return points, real & seen

@@ -116,7 +116,7 @@ def expected(estimator: Estimator, looks: float, world: World, sonar: Sonar) -> 
 def predicted_wrap_rate(estimator: Estimator, looks: float, coherence: float, sonar: Sonar) -> float:
     """Wrap-error rate of an estimator of its kind.
 
-    Maximum likelihood, a peak that its phase refines, the split spectrum; for all others the peak of the envelope alone.
+    Maximum likelihood, a peak that its phase refines, the split spectrum; for all others that of the envelope's peak.
     """
     ratio = sonar.relative_bandwidth
     search = getattr(estimator, "search", None)

@@ -44,6 +44,8 @@ def gaussian_split_spectrum_wrap_error_probability(
 
 
 def _two_sided(limit: Floats, std: Floats) -> Floats:
-    with np.errstate(divide="ignore"):
-        result: Floats = erfc(np.sqrt(0.5) * (limit / std))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # One look has no group delay, whatever its coherence.
+        distance = np.where((limit == 0.0) & (std == 0.0), 0.0, limit / std)
+    result: Floats = erfc(np.sqrt(0.5) * distance)
     return result

@@ -23,7 +23,9 @@ def wrap_error_probability(looks: ArrayLike, coherence: ArrayLike, relative_band
     likelihood.
 
     `2 E[P_env]` at lag `1 / fc`: the nearest wrap on either side only, averaged over the speckle
-    spectra of N lines of exponential power.
+    spectra of N lines of exponential power. That is the rate of the unrefined envelope peak; where the phase
+    refines it, and of the likelihood, the rate is up to 1.15 times as high at `B / fc` = .3 and 1.45 times at
+    .6, at 1e-6: `cross_correlation_wrap_error_probability` and `likelihood_wrap_error_probability` have that.
 
     `looks` N is real, 1 to 1e9 (one look cannot tell wraps apart and gives 1), `coherence` gamma is a
     magnitude in [0, 1], `relative_bandwidth` is `B / fc`, above 0 and below 2. They broadcast; NaN outside
@@ -58,11 +60,11 @@ def several_wraps_error_probability(
     looks: ArrayLike, coherence: ArrayLike, relative_bandwidth: ArrayLike, wraps: int
 ) -> Floats:
     """
-    Union bound of the wrap-error probability: `2 sum_m E[P_env]` at lags `m / fc`, m = 1 to `wraps`, at
-    most 1.
+    Union of the wrap errors: `2 sum_m E[P_env]` at lags `m / fc`, m = 1 to `wraps`, at most 1.
 
-    An upper bound of the search over `wraps` wraps on either side, where `wrap_error_probability` has
-    the nearest only. Lags beyond half the window, `m B / fc > N / 2`, are left out. Otherwise as
+    An upper bound of the probability that any of `wraps` whole wraps on either side wins; a search, which
+    also ends between them, may err more often in bands about as wide as the centre frequency.
+    Lags beyond half the window, `m B / fc > N / 2`, are left out. Otherwise as
     `wrap_error_probability`; ValueError unless `wraps` is at least one.
     """
     if wraps < 1:

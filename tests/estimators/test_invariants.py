@@ -162,3 +162,23 @@ def test_peaks_on_the_border_of_the_search_are_not_valid(make_patch, method):
     estimate = method(FixedWindow(1, 63), search=0.5 / 30e3).estimate(pair)
     assert not estimate.valid.any()
     assert method(FixedWindow(1, 63), search=1.5 / 30e3).estimate(pair).valid.all()
+
+
+@method
+@pytest.mark.parametrize("scale", [1e-310, 5e-324])
+def test_the_smallest_numbers_are_no_trap(make_patch, method, scale):
+    pair = make_patch(2, 40, coherence=1.0)
+    tiny = replace(pair, primary=scale * pair.primary, secondary=scale * pair.secondary)
+    with np.errstate(all="ignore"):
+        estimate = method(FixedWindow(1, 9)).estimate(tiny)
+    for name in ("delay", "phase", "coherence", "delay_std", "wrap_error_probability", "quality"):
+        assert np.all(np.isfinite(getattr(estimate, name)[estimate.valid]))
+
+
+@method
+def test_the_phase_lies_in_its_interval(make_patch, method):
+    pair = make_patch(2, 40, coherence=1.0)
+    opposed = replace(pair, secondary=-pair.primary)
+    phase = method(FixedWindow(1, 9)).estimate(opposed).phase
+    assert np.all(phase > -np.pi)
+    assert np.all(phase <= np.pi)

@@ -93,3 +93,13 @@ def test_every_visible_point_is_found_again_at_its_time(scene, seed):
     found = truth(scene, geometry, times[0])
     distance = np.abs(found.branches[:, seen] - delays)
     np.testing.assert_allclose(np.nanmin(distance, axis=0, initial=1.0), 0.0, atol=1e-12)
+
+
+def test_features_that_touch_have_a_segment_of_no_length_between_them():
+    touching = Scene((20.0, 60.0), (Box(33.0, 2.0, 1.0), Box(35.0, 2.0, 1.0)))
+    one = Scene((20.0, 60.0), (Box(33.0, 4.0, 1.0),))
+    slant = np.linspace(25.0, 60.0, 400)
+    with np.errstate(all="raise"):
+        found, expected = truth_of(touching, slant), truth_of(one, slant)
+    np.testing.assert_array_equal(found.shadow, expected.shadow)
+    np.testing.assert_array_equal(found.layover, expected.layover)

@@ -56,3 +56,16 @@ def test_the_water_of_paper_b_has_its_sound_speed():
 def test_bad_input(build, message):
     with pytest.raises(ValueError, match=f"^{message}$"):
         build()
+
+
+def test_absorption_broadcasts_over_all_that_it_depends_on():
+    frequency, temperature = np.array([[60e3], [100e3], [120e3]]), np.array([4.0, 10.0, 25.0])
+    depth = np.array([0.0, 200.0, 1000.0])
+    found = absorption(frequency, temperature=temperature, depth=depth)
+    for i, j in np.ndindex(3, 3):
+        alone = absorption(frequency[i, 0], temperature=temperature[j], depth=depth[j])
+        assert found[i, j] == pytest.approx(float(alone), rel=1e-14)
+    with pytest.raises(ValueError, match=r"^temperature is 99 deg C; it must lie between -4 and 40 deg C$"):
+        absorption(1e5, temperature=[4.0, 99.0])
+    with pytest.raises(ValueError, match=r"^frequency is inf Hz; it must be finite and not below 0 Hz$"):
+        absorption([1e5, np.inf])
