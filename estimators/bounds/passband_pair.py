@@ -32,7 +32,8 @@ from .conventions import Floats
 from .envelope_pair import mean_root
 from .quadrature import unit_gauss_legendre
 
-LINES = 12
+ALL_LINES = 12
+LINES = 8
 FEW_LINES = 5
 STEP = 0.35
 OFFSET = 2.0
@@ -71,7 +72,7 @@ def _without_coherence(relative_bandwidth: float, cell: tuple[float, float], pro
 
 def _tail(looks: int, relative_bandwidth: float, cell: tuple[float, float], projected: bool) -> tuple[Floats, Floats]:
     """Knots `u = log t`, and the integral of the density above each; nothing is added below the first."""
-    position, shapes = band_lines(looks, LINES)
+    position, shapes = band_lines(looks, ALL_LINES if looks <= ALL_LINES else LINES)
     offset = relative_bandwidth * position
     middle = 0.5 * (cell[0] + cell[1])
     typical = np.sum(shapes * np.sin(np.pi * offset * middle) ** 2) / looks
@@ -113,11 +114,13 @@ def _wedge2(offset: Floats, lag: Floats) -> Floats:
     sine, cosine = np.sin(turn), np.cos(turn)
     joint = turn + np.pi * (lag - np.rint(lag))[..., None]
     sine_j, cosine_j = np.sin(joint), np.cos(joint)
-    first = sine[..., :, None] * cosine[..., None, :]
-    second = sine_j[..., :, None] * cosine_j[..., None, :]
-    near = (1.0 + 0.5 * (offset[:, None] + offset)) * (first - np.swapaxes(first, -1, -2))
-    far = 0.5 * (offset[:, None] - offset) * (second + np.swapaxes(second, -1, -2))
-    result: Floats = (near - far) ** 2
+    weight, skew = 1.0 + 0.5 * (offset[:, None] + offset), 0.5 * (offset[:, None] - offset)
+    near = sine[..., :, None] * cosine[..., None, :] - cosine[..., :, None] * sine[..., None, :]
+    far = sine_j[..., :, None] * cosine_j[..., None, :] + cosine_j[..., :, None] * sine_j[..., None, :]
+    near *= weight
+    far *= skew
+    near -= far
+    result: Floats = np.square(near, out=near)
     return result
 
 
