@@ -10,9 +10,10 @@ import numpy as np
 from estimators import DelayEstimate, Estimator, FixedWindow
 from sim import EchoPair
 from studies.measurement import Failure
+from studies.named import words_of
 
 SEARCHES = 64
-"""Calls that may fail while the trials at fault are looked for; what is left then counts as failed."""
+"""Calls that may fail in a row while the trials at fault are looked for; where none succeeds, all count as failed."""
 
 
 class Attempt(NamedTuple):
@@ -30,6 +31,9 @@ def attempt(estimator: Estimator, pair: EchoPair, window: FixedWindow) -> Attemp
     fault fail. Nothing is drawn again.
     """
     unseen = replace(pair, truth=None)
+    for series in (unseen.primary, unseen.secondary):
+        # All estimators see the same echoes.
+        series.setflags(write=False)
     start = perf_counter()
     parts = list(_parts(estimator, unseen, 0, window.rows == 1, [SEARCHES]))
     seconds = perf_counter() - start
@@ -47,23 +51,29 @@ def _parts(
 ) -> Iterator[tuple[DelayEstimate, list[Failure]]]:
     rows = pair.shape[0]
     try:
-        yield _checked(estimator.estimate(pair), pair), []
-    except Exception as error:  # Whatever a user's estimator does must not stop the study.
+        estimate = _checked(estimator.estimate(pair), pair)
+    except (Exception, SystemExit) as error:  # Whatever a user's estimator does must not stop the study.
         left[0] -= 1
         if by_rows and rows > 1 and left[0] > 0:
             half = rows // 2
             yield from _parts(estimator, pair.rows(slice(0, half)), first, by_rows, left)
             yield from _parts(estimator, pair.rows(slice(half, rows)), first + half, by_rows, left)
         else:
-            said = f"{type(error).__name__}: {' '.join(str(error).split())}"
+            said = words_of(error)
             yield _nothing(pair), [Failure(first + row, said) for row in range(rows)]
+    else:
+        left[0] = SEARCHES
+        yield estimate, []
 
 
 def _checked(estimate: DelayEstimate, pair: EchoPair) -> DelayEstimate:
     """The estimate with every array in the shape of the pair; ValueError where one cannot be."""
     arrays = {}
     for field in fields(DelayEstimate):
-        array = np.asarray(getattr(estimate, field.name))
+        given = np.asarray(getattr(estimate, field.name))
+        if given.dtype.kind not in "biuf":
+            raise ValueError(f"{field.name} is of type {given.dtype}; it must be real numbers")
+        array = given.astype(np.bool_ if field.name == "valid" else np.float64, copy=False)
         try:
             arrays[field.name] = np.broadcast_to(array, pair.shape)
         except ValueError:

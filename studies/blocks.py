@@ -10,7 +10,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import groupby
+from itertools import chain, groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -115,7 +115,10 @@ class Store:
         return self._merged(point, self._segments.get(point.key, []))
 
     def _merged(self, point: Point, segments: Sequence[Segment]) -> Iterator[tuple[int, list[Stored]]]:
-        rows = heapq.merge(*(self._rows(point, segment.path) for segment in segments), key=lambda row: row.block)
+        rows = chain.from_iterable(
+            heapq.merge(*(self._rows(point, segment.path) for segment in group), key=lambda row: row.block)
+            for group in _overlapping(segments)
+        )
         for block, together in groupby(rows, key=lambda row: row.block):
             once = {(row.trials, *row.measurement.labels, row.measurement.region): row for row in together}
             yield block, list(once.values())
@@ -158,7 +161,7 @@ class Store:
             table = pq.read_table(self._traces_path(point))
             rows = table.to_pylist()
             good = (table.schema.metadata or {}).get(KEY) == self._identity(point, rows)
-        except (OSError, UnicodeDecodeError, pa.ArrowException):
+        except (OSError, ValueError, KeyError, TypeError, pa.ArrowException):
             return {}
         return {row["name"]: np.array(row["values"]).reshape(row["shape"]) for row in rows} if good else {}
 
@@ -190,14 +193,35 @@ class Store:
         identity = self._identity(point)
         try:
             with pq.ParquetFile(path) as file:
-                if (file.schema_arrow.metadata or {}).get(KEY) != identity:
+                schema = file.schema_arrow
+                if (schema.metadata or {}).get(KEY) != identity or schema.remove_metadata() != SCHEMA:
                     return
                 for batch in file.iter_batches(ROWS):
                     for plain in batch.to_pylist():
                         if plain["digest"] == _digest(plain, identity):
                             yield _stored(plain)
-        except (OSError, UnicodeDecodeError, pa.ArrowException):
+        except FileNotFoundError:
             return
+        except OSError as error:
+            # A file that the system does not let us read is not a damaged one, whose complaint has no number.
+            if error.errno is not None:
+                raise
+        except (ValueError, KeyError, TypeError, pa.ArrowException):
+            return
+
+
+def _overlapping(segments: Sequence[Segment]) -> Iterator[list[Segment]]:
+    """Groups of segments, in order, of which no two hold the same block: few files are open at a time."""
+    group: list[Segment] = []
+    last = -1
+    for segment in segments:
+        if group and segment.first > last:
+            yield group
+            group = []
+        group.append(segment)
+        last = max(last, segment.last)
+    if group:
+        yield group
 
 
 class _replacing:

@@ -1,6 +1,6 @@
 """What a study shows of its results: a short table, and figures of curves or by a function of one's own."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from sim.band import Real
 from studies import figures
-from studies.named import imported
+from studies.named import called, imported
 from studies.section import Section, suggestion
 
 Traces = Mapping[str, Real]
@@ -19,8 +19,6 @@ Traces = Mapping[str, Real]
 
 Examples = Sequence[tuple[Mapping[str, Any], Traces]]
 """The varied values of a design point with the traces of its first trial, for every point that has some."""
-
-Draw = Callable[[pd.DataFrame, Examples], Figure]
 
 
 class SummarySection(Section):
@@ -105,8 +103,7 @@ class FigureSection(Section):
     def drawn(self, table: pd.DataFrame, examples: Examples) -> Figure:
         """The figure; ValueError for a column that the table does not have."""
         if self.draw is not None:
-            draw: Draw = imported(self.draw, "draw")
-            return draw(table, examples)
+            return called(f"draw {self.draw}", imported(self.draw, "draw"), Figure, table, examples)
         used = [self.x, self.y, self.low, self.high, self.error, self.line, self.down, self.across]
         _check_columns(f"figure {self.name}", [column for column in used if column], table)
         downs, acrosses = _values(table, self.down), _values(table, self.across)
@@ -156,7 +153,7 @@ class FigureSection(Section):
         panel.set_yscale(self.scale)
         if self.limits:
             panel.set_ylim(*self.limits)
-        title = ", ".join(f"{column.replace('_', ' ')} {value:g}" for column, value in shown.items() if column)
+        title = ", ".join(f"{column.replace('_', ' ')} {_short(value)}" for column, value in shown.items() if column)
         panel.set_title(title, fontsize=10)
 
 
@@ -166,6 +163,10 @@ def _values(table: pd.DataFrame, column: str | None) -> list[Any]:
 
 def _rows(table: pd.DataFrame, column: str | None, value: Any) -> pd.DataFrame:
     return table if column is None else table[table[column] == value]
+
+
+def _short(value: Any) -> str:
+    return f"{value:g}" if _is_number(value) else str(value)
 
 
 def _is_number(value: Any) -> bool:

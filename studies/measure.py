@@ -15,9 +15,6 @@ from studies.moments import of_errors
 from studies.seeds import generator
 from studies.world import Reading, World
 
-MOST_FAILED = 100
-"""Failed trials of a block that are kept one by one; the others are counted."""
-
 NORMAL_95 = 1.959963984540054
 """Half the width of a 95 % interval of a normal distribution, in standard deviations."""
 
@@ -86,7 +83,7 @@ def _measured(
         moments=moments,
         batches=batches,
         failures=int(failed.sum()),
-        failed=failures[:MOST_FAILED],
+        failed=failures,
         flagged=int(np.sum(~reading.of(estimate.valid) & ~failed)),
         seconds_per_pixel=made.seconds / pair.primary.size,
     )

@@ -35,7 +35,7 @@ class Measurement:
     failures
         Estimates that gave no number.
     failed
-        The trials in which they did, the first hundred.
+        The trials in which they did.
     flagged
         Estimates that the estimator itself called invalid.
     seconds_per_pixel

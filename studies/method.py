@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field
 
 import estimators
 from estimators import Estimator, FixedWindow
-from studies.named import imported
+from studies.named import imported, words_of
 from studies.section import Section, suggestion
 from studies.world import World
 
@@ -85,8 +85,9 @@ class Method:
                 given["rng"] = rng
         try:
             made = make(self.window, **given)
-        except TypeError as error:
-            raise ValueError(f"{self.section.method} cannot be made with a window and {given}: {error}") from None
+        except (Exception, SystemExit) as error:  # A user's class may do anything.
+            options = {name: value for name, value in given.items() if name != "rng"}
+            raise ValueError(f"{self.section.method} cannot be made with {options}: {words_of(error)}") from None
         if not isinstance(made, Estimator):
             raise ValueError(f"{self.section.method} gives {made!r}; it must have a method estimate(pair)")
         return made

@@ -1,6 +1,5 @@
 """What a run found: tables, figures and a page, from its block files alone."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ from studies.comparison import Comparison
 from studies.design import Point, computed, methods, points
 from studies.drawing import Examples
 from studies.measurement import Measurement
-from studies.named import imported
+from studies.named import called, imported
 from studies.page import page
 from studies.stopping import Standing, measured_blocks
 from studies.study import Study
@@ -155,8 +154,7 @@ def answer(study: Study, found: Result) -> str:
     """What the table says to the question, in a sentence; empty where the study has no words for it."""
     if study.answer is None:
         return ""
-    say: Callable[[pd.DataFrame], str] = imported(study.answer, "answer")
-    return say(found.table)
+    return called(f"answer {study.answer}", imported(study.answer, "answer"), str, found.table)
 
 
 def summary(study: Study, found: Result) -> pd.DataFrame:
