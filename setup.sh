@@ -1,6 +1,6 @@
-# Makes the local virtual environment, or brings it up to date; sourced by `run.sh` and `test.sh`.
+# Makes the local virtual environment, or brings it up to date; sourced by `run.sh` and `test.sh`, which set $here.
 set -eu
-cd "$(dirname "$0")"
+cd "${here:-.}"
 python=${PYTHON:-python3}
 "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || {
     echo "Python is $("$python" -V 2>&1); it must be 3.11 or later (name another with PYTHON=...)" >&2

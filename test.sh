@@ -1,6 +1,9 @@
 #!/bin/sh
 # Installs twinecho in .venv where needed, checks style and types, and passes the tests; arguments go to pytest.
-. "$(dirname "$0")/setup.sh"
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+cd "$here"
+. "$here/setup.sh"
 .venv/bin/ruff check --quiet
 .venv/bin/ruff format --check --quiet
 .venv/bin/mypy --no-error-summary

@@ -150,6 +150,27 @@ class Store:
             if segment.path != path:
                 segment.path.unlink(missing_ok=True)
 
+    def others(self, points: Iterable[Point]) -> int:
+        """How many other points there are files of."""
+        return len(set(self._segments) - {point.key for point in points})
+
+    def take_over(self, point: Point, other: "Store") -> None:
+        """Add what another store of the same design has of a point to what is here, in one file."""
+        here, there = (store._segments.get(point.key, []) for store in (self, other))
+        if not there:
+            return
+        first, last = (here + there)[0].first, max(segment.last for segment in here + there)
+        path = self.folder / f"{point.key}-{min(first, there[0].first):06d}-{last:06d}.parquet"
+        self.folder.mkdir(parents=True, exist_ok=True)
+        found = heapq.merge(self.read(point), other.read(point), key=lambda of_block: of_block[0])
+        self._write(path, point, (row for _, rows in found for row in rows))
+        for segment in here:
+            if segment.path != path:
+                segment.path.unlink(missing_ok=True)
+        traces = other.read_traces(point)
+        if traces:
+            self._write_traces(point, traces)
+
     def clean(self) -> None:
         """Remove what a writer that was killed left half written."""
         for left in self.folder.glob(".*.parquet.*"):

@@ -1,5 +1,6 @@
 """The command `twinecho`."""
 
+import os
 import sys
 import tomllib
 import warnings
@@ -25,7 +26,7 @@ from studies.study import Study
 from studies.swath_figure import swath_figure
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-console = Console(highlight=False)
+console = Console(highlight=False, markup=False)
 
 Folder = Annotated[Path, typer.Argument(help="Folder of a run.")]
 
@@ -73,7 +74,9 @@ def run(
     estimator: Annotated[list[str] | None, typer.Option(help="Only this estimator; may be repeated.")] = None,
     setting: Annotated[
         list[str] | None,
-        typer.Option("--set", help="Another value, as KEY=VALUE, or more of them along an axis; may be repeated."),
+        typer.Option(
+            "--set", help="Another value, as KEY=VALUE, in SI units, or more of them along an axis; may be repeated."
+        ),
     ] = None,
     trials: Annotated[int | None, typer.Option(help="Trials at each design point, at the most.")] = None,
     jobs: Annotated[int, typer.Option(help="Blocks at a time; -1 for one a processor.")] = -1,
@@ -247,18 +250,18 @@ def _run_with_progress(study: Study, how: engine.Run, folder: Path) -> None:
 
 
 class _Lines:
-    """Progress as a plain line for each tenth of the blocks, with the time that the rest will take."""
+    """Progress as a plain line for each tenth of the blocks or 20 s, with the time that the rest will take."""
 
     def __init__(self, name: str) -> None:
-        self.name, self.start, self.first, self.shown = name, perf_counter(), -1, (-1, -1)
+        self.name, self.start, self.first, self.shown = name, perf_counter(), -1, (-1, -1, -1)
 
     def __call__(self, done: int, total: int) -> None:
-        reached = 10 * done // max(total, 1), total
+        seconds = perf_counter() - self.start
+        reached = 10 * done // max(total, 1), total, int(seconds // 20)
         self.first = done if self.first < 0 else self.first
         if reached == self.shown:
             return
         self.shown = reached
-        seconds = perf_counter() - self.start
         left = f", {seconds * (total - done) / (done - self.first):.0f} s left" if done > self.first else ""
         print(f"{self.name}: {done} of {total} blocks in {seconds:.0f} s{left}", file=sys.stderr, flush=True)
 
@@ -284,14 +287,20 @@ def _report(folder: Path) -> None:
 def _one_line_errors() -> Iterator[None]:
     try:
         yield
-    except (ValueError, OSError) as error:
-        print(f"twinecho: {' '.join(str(error).split())}", file=sys.stderr)
+    except (ValueError, OSError, OverflowError, MemoryError, RecursionError) as error:
+        said = " ".join(str(error).split()) or f"{type(error).__name__}: a value is too large"
+        print(f"twinecho: {said}", file=sys.stderr)
         raise typer.Exit(2) from None
+    except KeyboardInterrupt:
+        print("twinecho: stopped; what is finished is stored, and the same command goes on", file=sys.stderr)
+        raise typer.Exit(130) from None
 
 
 def main() -> None:
     """Run the command line."""
     warnings.showwarning = _one_line_warning
+    # What a study file names may lie beside it.
+    sys.path.insert(0, os.getcwd())
     app()
 
 

@@ -15,58 +15,59 @@ Labels = tuple[str, str, str]
 
 
 class Comparison:
-    """Sums of the paired quantities of all estimators of a design point, over groups of the same trials.
+    """Sums of the paired quantities of every two estimators of a design point, over groups of the same trials.
 
     The difference of two wrap rates has the standard error of `sum_g (a_g - p_a n_g) / N - (b_g - p_b n_g) / N` over
     groups `g` of trials: what both estimators suffer alike cancels (batch means of common random numbers).
     """
 
     def __init__(self) -> None:
-        self.labels: list[Labels] = []
-        self.groups = 0
-        self.totals: Real = np.zeros(0)
-        self.products: Real = np.zeros((0, 0))
+        self.pairs: dict[tuple[Labels, Labels], _Pair] = {}
 
     def add(self, measurements: Sequence[Measurement]) -> None:
-        """Add a block that all estimators have measured, always in the same order; others are left out."""
-        labels = [(m.estimator, m.window, m.region) for m in measurements]
-        if not self.labels:
-            self.labels = labels
-            self.totals = np.zeros(len(PAIRED) * len(labels))
-            self.products = np.zeros((self.totals.size, self.totals.size))
-        groups = {len(m.batches) for m in measurements}
-        if labels != self.labels:
-            return
-        most = max(groups)
-        sums = np.zeros((most, self.totals.size))
-        for place, m in enumerate(measurements):
-            sums[: len(m.batches), len(PAIRED) * place : len(PAIRED) * (place + 1)] = m.batches
-        self.groups += most
-        self.totals = self.totals + sums.sum(axis=0)
-        self.products = self.products + sums.T @ sums
+        """Add a block: every two estimators that have measured it in the same region."""
+        for first, second in combinations(measurements, 2):
+            if first.region == second.region:
+                both = (first.estimator, first.window, first.region), (second.estimator, second.window, second.region)
+                self.pairs.setdefault(both, _Pair()).add(first.batches, second.batches)
 
     def rows(self) -> list[dict[str, Any]]:
-        """Differences of every two estimators of a region: the first less the second."""
-        found = []
-        for (i, first), (j, second) in combinations(enumerate(self.labels), 2):
-            if first[2] == second[2]:
-                found.append(
-                    {
-                        "region": first[2],
-                        "estimator": first[0],
-                        "window": first[1],
-                        "other": second[0],
-                        "other_window": second[1],
-                        **self._difference(i, j),
-                    }
-                )
-        return found
+        """Differences of every two estimators of a region, over the blocks that both have: first less second."""
+        return [
+            {
+                "region": first[2],
+                "estimator": first[0],
+                "window": first[1],
+                "other": second[0],
+                "other_window": second[1],
+                **pair.difference(),
+            }
+            for (first, second), pair in self.pairs.items()
+        ]
 
-    def _difference(self, first: int, second: int) -> dict[str, float]:
-        columns = {}
+
+class _Pair:
+    """Sums over groups of trials of the paired quantities of two estimators."""
+
+    def __init__(self) -> None:
+        self.groups = 0
+        self.totals: Real = np.zeros(2 * len(PAIRED))
+        self.products: Real = np.zeros((2 * len(PAIRED),) * 2)
+
+    def add(self, first: Real, second: Real) -> None:
+        sums = np.concatenate([first, second], axis=1)
+        tried = PAIRED.index("tried")
+        used = sums[(sums[:, tried] > 0) | (sums[:, len(PAIRED) + tried] > 0)]
+        self.groups += len(used)
+        self.totals = self.totals + used.sum(axis=0)
+        self.products = self.products + used.T @ used
+
+    def difference(self) -> dict[str, Any]:
+        """Differences of wrap rate and RMSE [wraps], each with its standard error, and of how many trials."""
+        columns: dict[str, Any] = {"trials": self.totals[PAIRED.index("tried")]}
         for name, root in (("wrong", False), ("square", True)):
             weights, values = np.zeros(self.totals.size), []
-            for place, sign in ((first, 1.0), (second, -1.0)):
+            for place, sign in ((0, 1.0), (1, -1.0)):
                 tried, hit = (len(PAIRED) * place + PAIRED.index(quantity) for quantity in ("tried", name))
                 whole = self.totals[tried]
                 value = self.totals[hit] / whole if whole > 0 else np.nan

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from itertools import product
 from typing import Any, NamedTuple
@@ -14,7 +14,7 @@ from sim import Sonar
 from studies.levels import Levels
 from studies.method import Method, methods_of
 from studies.patch import Patch
-from studies.section import Section, complaint, plain
+from studies.section import Section, complaint, resolved
 from studies.seeds import canonical
 from studies.study import Study
 from studies.swath import Swath
@@ -70,21 +70,21 @@ def points(study: Study) -> Iterator[Point]:
     ValueError
         For a point whose values cannot be; names the key, the value and what is allowed.
     """
-    for number, resolved in enumerate(_resolved(study)):
-        world = resolved.section
+    for number, found in enumerate(_resolved(study)):
+        world = found.section
         assert isinstance(world, Patch | Swath)
         try:
-            world.check(resolved.sonar)
+            world.check(found.sonar)
         except ValueError as error:
             raise ValueError(f"{study.name}: {study.kind}: {error}") from None
-        yield Point(number, resolved.varied, resolved.sonar, world, resolved.plain)
+        yield Point(number, found.varied, found.sonar, world, found.plain)
 
 
 def computed(study: Study) -> Iterator[tuple[Mapping[str, Any], pd.DataFrame]]:
     """Of a study that simulates nothing, what varies at each design point, by column, and the table there."""
-    for resolved in _resolved(study):
-        assert isinstance(resolved.section, Levels)
-        yield columns_of(resolved.varied), resolved.section.table(resolved.sonar)
+    for found in _resolved(study):
+        assert isinstance(found.section, Levels)
+        yield columns_of(found.varied), found.section.table(found.sonar)
 
 
 def columns_of(varied: Mapping[str, Any]) -> dict[str, Any]:
@@ -145,7 +145,15 @@ def _with_values(study: Study, varied: Mapping[str, Any]) -> _Resolved:
     except ValueError as error:
         raise ValueError(f"{study.name}: {name}: {error}") from None
     values = {key: getattr(found[key.partition(".")[0]], key.partition(".")[2]) for key in varied}
-    return _Resolved(values, sonar, found[study.kind], {name: plain(given) for name, given in found.items()})
+    echoes = {"sonar": numbers_of(sonar), study.kind: resolved(found[study.kind])}
+    return _Resolved(values, sonar, found[study.kind], echoes)
+
+
+def numbers_of(sonar: Sonar) -> dict[str, Any]:
+    """All that decides what a sonar hears, however it was given."""
+    described = asdict(sonar)
+    del described["assumed"]
+    return described
 
 
 def blocks(study: Study) -> int:

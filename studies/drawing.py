@@ -1,6 +1,7 @@
 """What a study shows of its results: a short table, and figures of curves or by a function of one's own."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -21,31 +22,64 @@ Examples = Sequence[tuple[Mapping[str, Any], Traces]]
 """The varied values of a design point with the traces of its first trial, for every point that has some."""
 
 
+MAIN = ("estimator", "window", "wrap_rate", "delay_std_in_wrap", "std_over_crlb", "rmse", "ground_range", "snr_db")
+"""Columns that a summary has where none is named."""
+
+LABELS: Mapping[str, str] = MappingProxyType(
+    {
+        "snr": "SNR [dB]",
+        "snr_db": "SNR [dB]",
+        "bandwidth": "bandwidth [Hz]",
+        "centre_frequency": "centre frequency [Hz]",
+        "baseline": "baseline [m]",
+        "altitude": "altitude [m]",
+        "ground_range": "ground range [m]",
+        "delay": "delay [wraps]",
+        "wrap_rate": "wrap-error rate",
+        "std_over_crlb": "in-wrap STD / CRLB",
+        "delay_bias": "bias in the right wrap [s]",
+        "delay_std_in_wrap": "STD in the right wrap [s]",
+        "delay_std_total": "STD, wraps included [s]",
+        "rmse": "RMSE [s]",
+        "seconds_per_pixel": "time a pixel [s]",
+    }
+)
+"""What axes say of a column where the study has no words for it."""
+
+
 class SummarySection(Section):
     """Which columns and rows of the table answer the question on a terminal.
 
     Parameters
     ----------
     columns
-        Names of columns; the first that every table has where none is given.
+        Names of columns; what varies and the main results where none is given.
     where
         Only rows whose column has this value, or one of these; all rows where there are none.
     """
 
-    columns: tuple[str, ...] = ("estimator", "window", "wrap_rate", "delay_std_in_wrap", "std_over_crlb", "rmse")
+    columns: tuple[str, ...] = ()
     where: Mapping[str, Any] = {}
 
     def of(self, table: pd.DataFrame) -> pd.DataFrame:
         """The short table; ValueError for a column that the table does not have."""
+        columns = self.columns or [name for name in table.columns if name in MAIN or self._varies(table, name)]
         kept = np.ones(len(table), dtype=bool)
         for column, values in self.where.items():
-            _check_columns("summary", [column], table)
+            check_columns("summary", [column], table.columns)
             wanted = values if isinstance(values, list | tuple) else [values]
             kept &= np.any(
                 [np.isclose(table[column], v) if _is_number(v) else table[column] == v for v in wanted], axis=0
             )
-        _check_columns("summary", self.columns, table)
-        return table.loc[kept if kept.any() else ~kept, list(self.columns)]
+        check_columns("summary", columns, table.columns)
+        return table.loc[kept if kept.any() else ~kept, list(columns)]
+
+    @staticmethod
+    def _varies(table: pd.DataFrame, name: str) -> bool:
+        before = (
+            list(table.columns).index(name) < list(table.columns).index("estimator") if "estimator" in table else True
+        )
+        return before or (name == "region" and table[name].nunique() > 1)
 
 
 class FigureSection(Section):
@@ -100,12 +134,17 @@ class FigureSection(Section):
             raise ValueError(f"figure {self.name} has no x and y; it must have both, or a function to draw it")
         return self
 
+    @property
+    def used(self) -> list[str]:
+        """Columns of the table that it shows."""
+        named = [self.x, self.y, self.low, self.high, self.error, self.line, self.down, self.across]
+        return [column for column in named if column]
+
     def drawn(self, table: pd.DataFrame, examples: Examples) -> Figure:
         """The figure; ValueError for a column that the table does not have."""
         if self.draw is not None:
             return called(f"draw {self.draw}", imported(self.draw, "draw"), Figure, table, examples)
-        used = [self.x, self.y, self.low, self.high, self.error, self.line, self.down, self.across]
-        _check_columns(f"figure {self.name}", [column for column in used if column], table)
+        check_columns(f"figure {self.name}", self.used, table.columns)
         downs, acrosses = _values(table, self.down), _values(table, self.across)
         figure, axes = figures.grid(len(downs), len(acrosses))
         for line, down in zip(axes, downs, strict=True):
@@ -115,11 +154,14 @@ class FigureSection(Section):
                     self._curve(panel, rows.sort_values(self.x), number, str(name), table)
                 self._finish(panel, {self.down: down, self.across: across})
         for line in axes:
-            line[0].set_ylabel(self.y_label or self.y.replace("_", " "))
+            line[0].set_ylabel(self.y_label or _label(self.y))
         for panel in axes[-1]:
-            panel.set_xlabel(self.x_label or self.x.replace("_", " "))
+            panel.set_xlabel(self.x_label or _label(self.x))
         handles, labels = axes[0][0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=4, title=self.legend, fontsize=9)
+        narrow = len(acrosses) == 1
+        words = self.legend.replace("; ", "\n") if self.legend and narrow else self.legend
+        columns = 1 if narrow else 4
+        figure.legend(handles, labels, loc="outside lower center", ncols=columns, title=words, fontsize=9)
         return figure
 
     def _curve(self, panel: Axes, rows: pd.DataFrame, number: int, name: str, table: pd.DataFrame) -> None:
@@ -165,6 +207,10 @@ def _rows(table: pd.DataFrame, column: str | None, value: Any) -> pd.DataFrame:
     return table if column is None else table[table[column] == value]
 
 
+def _label(column: str) -> str:
+    return LABELS.get(column, column.replace("_", " "))
+
+
 def _short(value: Any) -> str:
     return f"{value:g}" if _is_number(value) else str(value)
 
@@ -173,7 +219,9 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _check_columns(place: str, columns: Sequence[str], table: pd.DataFrame) -> None:
+def check_columns(place: str, columns: Iterable[str], known: Iterable[str]) -> None:
+    """ValueError for a column that a table does not have; names the nearest."""
+    there = list(known)
     for column in columns:
-        if column not in table.columns:
-            raise ValueError(f"{place} has the column {column!r}; it must be {suggestion(column, table.columns)}")
+        if column not in there:
+            raise ValueError(f"{place} has the column {column!r}; it must be {suggestion(column, there)}")

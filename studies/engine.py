@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 from studies import manifest, seeds
 from studies.blocks import Store
 from studies.design import Point, Task, blocks, computed, methods, points, task
+from studies.lock import only_writer
 from studies.measure import measure
 from studies.method import Method
+from studies.named import imported
 from studies.parallel import BACKENDS, one_thread, parallel
 from studies.stopping import standings
 from studies.study import Study
+from studies.table import columns_at
 
 LOOSE = 512
 """Blocks of a point that may lie in files of their own before these are put together."""
@@ -94,9 +97,14 @@ def check(study: Study) -> list[Point]:
     ValueError
         For a point, a window or an estimator that cannot be; names what was given and what is allowed.
     """
+    for section in study.figures:
+        if section.draw is not None:
+            imported(section.draw, "draw")
+    if study.answer is not None:
+        imported(study.answer, "answer")
     if study.kind == "levels":
-        for _ in computed(study):
-            pass
+        for columns, table in computed(study):
+            study.check_columns([*columns, *table.columns])
         return []
     found = list(points(study))
     for point in found:
@@ -104,6 +112,7 @@ def check(study: Study) -> list[Point]:
         if point.number == 0:
             for method in made:
                 method.build(seeds.generator(0, point.echoes, 0, method.stream()))
+            study.check_columns(columns_at(point))
     return found
 
 
@@ -138,28 +147,34 @@ def run(study: Study, how: Run, folder: Path, progress: Progress = lambda done, 
         Where the folder cannot be written.
     """
     design = check(study)
-    manifest.begin(study, how.seed, folder)
-    if not design:
-        return
-    store_of(study, how.seed, folder).clean()
-    deaths = 0
-    while True:
-        store = store_of(study, how.seed, folder)
-        lacks = [_Lack.of(study, how.share, point, store) for point in design]
-        total, left = sum(lack.total for lack in lacks), sum(lack.blocks.size for lack in lacks)
-        progress(total - left, total)
-        if not left:
-            break
-        try:
-            for number in _completed(study, how, lacks, folder):
-                left, deaths = left - 1, 0
-                progress(total - left, total)
-                lacks[number].tidy(store)
-        except TerminatedWorkerError:
-            # A worker that is killed takes its pool along. What was stored stays; the rest is asked for again.
-            deaths += 1
-            if deaths > 1:
-                raise OSError("workers are killed before any block is done; the machine may lack memory") from None
+    with only_writer(folder):
+        manifest.begin(study, how.seed, folder)
+        store_of(study, how.seed, folder).clean()
+        while design and not _pass(study, how, design, folder, progress):
+            pass
+
+
+def _pass(study: Study, how: Run, design: Sequence[Point], folder: Path, progress: Progress) -> bool:
+    """Complete what is lacking, as far as it is known; whether nothing was."""
+    store = store_of(study, how.seed, folder)
+    lacks = [_Lack.of(study, how.share, point, store) for point in design]
+    total, first = sum(lack.total for lack in lacks), sum(lack.blocks.size for lack in lacks)
+    left = first
+    progress(total - left, total)
+    try:
+        for number in _completed(study, how, lacks, folder) if left else ():
+            left -= 1
+            progress(total - left, total)
+            lacks[number].tidy(store)
+    except TerminatedWorkerError:
+        # A worker that is killed takes its pool along. What was stored stays; the rest is asked for again.
+        if left == first:
+            lack = next(lack for lack in lacks if lack.left)
+            raise OSError(
+                f"a worker was killed before any block was done, at point {lack.point.number} or after it; "
+                f"the machine may lack memory, or an estimator end its process"
+            ) from None
+    return first == 0
 
 
 @dataclass(eq=False)

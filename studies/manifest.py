@@ -5,14 +5,16 @@ import json
 import os
 import platform
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from studies.section import plain
+from studies import seeds
+from studies.method import source_of
+from studies.section import plain, resolved
 from studies.seeds import canonical
-from studies.study import KINDS, Study, made
+from studies.study import Study, made
 
 NAME = "manifest.json"
 
@@ -37,19 +39,28 @@ def digest(made: Mapping[str, Any]) -> str:
 def fixed(study: Study, seed: int) -> dict[str, Any]:
     """All that a run holds fixed, by key: the design, the values that are no axis, and each estimator."""
     axes = {key for axis in study.axes for key in axis}
-    tree = plain(study)
-    values = {
-        f"{section}.{key}": value
-        for section in ("sonar", *KINDS)
-        for key, value in tree.get(section, {}).items()
-        if f"{section}.{key}" not in axes
+    values = {**_flat("sonar", resolved(study.sonar)), **_flat(study.kind, resolved(getattr(study, study.kind)))}
+    chosen = {
+        f"estimators.{e.name}": {"method": e.method, "options": dict(e.options), "source": source_of(e.method)}
+        for e in study.estimators
     }
-    chosen = {f"estimators.{e.name}": {"method": e.method, "options": dict(e.options)} for e in study.estimators}
-    return {**design(study, seed), **values, **chosen}
+    return {**design(study, seed), **{k: v for k, v in values.items() if k not in axes}, **chosen}
+
+
+def _flat(section: str, values: Mapping[str, Any]) -> dict[str, Any]:
+    return {f"{section}.{key}": value for key, value in values.items()}
+
+
+def differences(before: Mapping[str, Any], now: Mapping[str, Any], axes: Iterable[str]) -> list[str]:
+    """Keys that two runs hold fixed at different values; an estimator or an axis may be in one of them only."""
+    varied = set(axes)
+    keys = [key for key in {**before, **now} if key not in varied]
+    both = [key for key in keys if not key.startswith("estimators.") or (key in before and key in now)]
+    return [key for key in both if before.get(key) != now.get(key)]
 
 
 def begin(study: Study, seed: int, folder: Path) -> None:
-    """Write the manifest of a run, or renew that of one of the same design.
+    """Write the manifest of a run, or add to that of one of the same design.
 
     Raises
     ------
@@ -60,26 +71,26 @@ def begin(study: Study, seed: int, folder: Path) -> None:
     """
     now, tree = fixed(study, seed), plain(study)
     path = folder / NAME
+    runs = []
     if path.exists():
         before = read(folder)
-        known = before["fixed"]
-        differing = [key for key in known if key in now and known[key] != now[key]]
+        known, runs = before["fixed"], before["runs"]
+        axes = [key for which in (before["study"], tree) for axis in which.get("axes", []) for key in axis]
+        differing = differences(known, now, axes)
         if differing:
-            changes = ", ".join(f"{key} was {known[key]}, is {now[key]}" for key in differing)
+            changes = ", ".join(f"{key} was {known.get(key)}, is {now.get(key)}" for key in differing)
             raise ValueError(f"{folder} holds a run of another design: {changes}; take --fresh or another --out")
         if "estimators" in tree:
             tree["estimators"] = _together(before["study"]["estimators"], tree["estimators"])
         now = {**{key: known[key] for key in known if key.startswith("estimators.")}, **now}
     folder.mkdir(parents=True, exist_ok=True)
+    here = provenance()
     written = {
         "study": tree,
         "seed": seed,
         "fixed": now,
         "digest": digest(design(study, seed)),
-        "commit": _commit(),
-        "versions": {name: metadata.version(name) for name in PACKAGES},
-        "python": platform.python_version(),
-        "machine": f"{platform.machine()}, {os.cpu_count()} processors",
+        "runs": [*(run for run in runs if run != here), here],
     }
     beside = path.with_name(f".{NAME}.{os.getpid()}")
     try:
@@ -87,6 +98,16 @@ def begin(study: Study, seed: int, folder: Path) -> None:
         beside.replace(path)
     finally:
         beside.unlink(missing_ok=True)
+
+
+def provenance() -> dict[str, Any]:
+    """Where numbers made now come from: commit, and whether it was changed; versions; machine."""
+    return {
+        "commit": _commit(),
+        "python": platform.python_version(),
+        "machine": f"{platform.machine()}, {os.cpu_count()} processors",
+        **{name: metadata.version(name) for name in PACKAGES},
+    }
 
 
 def _together(before: list[dict[str, Any]], now: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -103,20 +124,23 @@ def _together(before: list[dict[str, Any]], now: list[dict[str, Any]]) -> list[d
 
 def read(folder: Path) -> dict[str, Any]:
     """The manifest of a run; ValueError where the folder holds none that can be read."""
+    kinds = {"study": dict, "seed": int, "fixed": dict, "runs": list}
     try:
         found: dict[str, Any] = json.loads((folder / NAME).read_text())
-        whole = {"study", "seed", "fixed"} <= set(found)
-    except (OSError, ValueError, TypeError):
+        whole = all(isinstance(found[key], kind) for key, kind in kinds.items())
+        whole = whole and bool(found["runs"]) and all(isinstance(run, dict) for run in found["runs"])
+    except (OSError, ValueError, TypeError, KeyError):
         whole = False
     if not whole:
         raise ValueError(f"{folder} is no folder of a run; it must hold a {NAME} that `twinecho run` wrote")
+    seeds.check(found["seed"])
     return found
 
 
 def study_of(folder: Path) -> tuple[Study, int]:
     """Study and seed of an earlier run; ValueError where this version cannot run it."""
     found = read(folder)
-    return made(found["study"], str(folder / NAME)), int(found["seed"])
+    return made(found["study"], str(folder / NAME)), found["seed"]
 
 
 def _commit() -> str | None:

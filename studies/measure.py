@@ -15,6 +15,19 @@ from studies.moments import of_errors
 from studies.seeds import generator
 from studies.world import Reading, World
 
+FACTS = (
+    "looks",
+    "coherence",
+    "snr_db",
+    "relative_bandwidth",
+    "wrap",
+    "predicted_wrap_rate",
+    "predicted_delay_std",
+    "crlb",
+    "ziv_zakai",
+)
+"""What `expected` says."""
+
 NORMAL_95 = 1.959963984540054
 """Half the width of a 95 % interval of a normal distribution, in standard deviations."""
 
@@ -69,6 +82,7 @@ def _measured(
         np.abs(reading.errors) > 0.5 / pair.bandwidth,
         half_width=NORMAL_95 * reading.of(estimate.delay_std) / wrap,
         claimed=reading.of(estimate.wrap_error_probability),
+        place=np.arange(pair.shape[0])[reading.rows] / pair.shape[0],
         weights=1.0 if pair.likelihood_ratio is None else pair.likelihood_ratio[reading.rows, None],
     )
     failed = ~np.isfinite(reading.errors)

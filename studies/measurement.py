@@ -31,7 +31,7 @@ class Measurement:
     moments
         Sums over the errors.
     batches
-        Sums over groups of clusters of what is compared between estimators, shape (batch, 3).
+        Sums over parts of the block of what is compared between estimators, shape (batch, 3).
     failures
         Estimates that gave no number.
     failed

@@ -85,6 +85,7 @@ def of_errors(
     half_width: ArrayLike = 0.0,
     claimed: ArrayLike = 0.0,
     weights: ArrayLike = 1.0,
+    place: Real | None = None,
 ) -> tuple[Moments, Real]:
     """Moments of delay errors, and what is compared between estimators.
 
@@ -100,11 +101,14 @@ def of_errors(
         Wrap-error probability that each estimate gave itself; broadcasts.
     weights
         Likelihood ratio of each trial; broadcasts.
+    place
+        Where each cluster lies in its block, 0 to 1, shape (cluster,); even where None.
 
     Returns
     -------
     moments, batches
-        The batches are sums of the quantities `PAIRED` over up to `BATCHES` groups of clusters, shape (batch, 3).
+        The batches are sums of the quantities `PAIRED` over clusters that lie together in the block, shape
+        (BATCHES, 3): the same part of the block for every estimator.
     """
     tried = np.isfinite(errors)
     error = np.where(tried, errors, 0.0)
@@ -134,6 +138,7 @@ def of_errors(
         square_weight=float(np.sum(weight**2)),
         largest_weight=float(weight.max(initial=0.0)),
     )
-    paired = sums[:, [QUANTITIES.index(name) for name in PAIRED]]
-    starts = np.unique(np.linspace(0, len(paired), BATCHES, endpoint=False).astype(int))
-    return moments, np.add.reduceat(paired, starts, axis=0)
+    lies = np.arange(len(errors)) / max(len(errors), 1) if place is None else place
+    batches = np.zeros((BATCHES, len(PAIRED)))
+    np.add.at(batches, (BATCHES * lies).astype(int), sums[:, [QUANTITIES.index(name) for name in PAIRED]])
+    return moments, batches

@@ -46,7 +46,7 @@ $figures
 <h2>Where it comes from</h2>
 <div class="wide"><table>$provenance</table></div>
 <h2>How to repeat it</h2>
-<p>In the folder of this page:</p>
+<p>In the folder of this page, with the command of the environment that twinecho is installed in:</p>
 <pre>$command</pre>
 <details><summary>The study, as it was run</summary><pre>$design</pre></details>
 <script>
@@ -93,13 +93,7 @@ def page(
         Of the run, with its manifest.
     """
     found = manifest.read(folder)
-    provenance = {
-        "seed": found["seed"],
-        "commit": found["commit"],
-        "python": found["python"],
-        "machine": found["machine"],
-        **found["versions"],
-    }
+    provenance = [("seed", found["seed"]), *(item for run in found["runs"] for item in run.items())]
     return PAGE.substitute(
         name=html.escape(study.name),
         question=html.escape(study.question),
@@ -108,7 +102,7 @@ def page(
         short=_table(study.summary.of(table)),
         figures="".join(_figure(name, figure) for name, figure in figures.items()),
         table=_table(table),
-        provenance="".join(f"<tr><th>{_text(k)}<td>{_text(v)}" for k, v in provenance.items()),
+        provenance="".join(f"<tr><th>{_text(k)}<td>{_text(v)}" for k, v in provenance),
         command=f"twinecho run manifest.json --seed {found['seed']} --out again",
         design=html.escape(_design(found["study"])),
     )

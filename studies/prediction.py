@@ -85,7 +85,7 @@ def predict(
     grid
         The pixels; those of paper B where None.
     kappa
-        Size of the window over spread of the depth.
+        Size of the window over spread of the depth; 0 asks for none.
     most_wrap_errors
         Largest wrap-error rate of the best window.
 
@@ -104,7 +104,7 @@ def predict(
     y = np.atleast_1d(np.asarray(ground_range, dtype=float))
     grid = ImageGrid() if grid is None else grid
     checks.count("window", window)
-    checks.positive("kappa", kappa)
+    checks.within("kappa", kappa, 0.0, 1e6)
     checks.within("most_wrap_errors", most_wrap_errors, 1e-12, 1.0)
     if (sediment is None) == (coherence is None):
         raise ValueError("sediment and coherence are both given or both missing; it must be one of them")

@@ -1,5 +1,6 @@
 """What a run found: tables, figures and a page, from its block files alone."""
 
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,10 @@ class Result:
         Every two estimators against each other on the same echoes.
     failures
         A row for each trial in which an estimator gave no number.
+    missing
+        Blocks that the study asks for and an estimator lacks, of how many.
+    hidden
+        Design points that are stored, but that the study does not ask for.
     examples
         For figures.
     """
@@ -38,6 +43,8 @@ class Result:
     differences: pd.DataFrame
     failures: pd.DataFrame
     examples: Examples
+    missing: tuple[int, int] = (0, 0)
+    hidden: int = 0
 
     @property
     def warnings(self) -> list[str]:
@@ -46,11 +53,17 @@ class Result:
         if "trials" not in self.table:
             return said
         few = int(self.table.few_dominate.sum())
+        if self.missing[0]:
+            said.append(f"{self.missing[0]} of {self.missing[1]} blocks are missing; the same run goes on with them")
         if few:
             said.append(f"in {few} of {len(self.table)} rows a few trials have most of the weight (few_dominate)")
         failed = int(self.table.failures.sum())
         if failed:
-            said.append(f"{failed} of {int(self.table.trials.sum())} estimates failed; failures.csv has the trials")
+            name, error = Counter(zip(self.failures.estimator, self.failures.error, strict=True)).most_common(1)[0][0]
+            counted = f"{failed} of {int(self.table.trials.sum())} estimates failed"
+            said.append(f"{counted}, most often {name}: {error}; failures.csv has the trials")
+        if self.hidden:
+            said.append(f"blocks of {self.hidden} other design points are stored and not shown")
         return said
 
 
@@ -69,10 +82,14 @@ def result(study: Study, store: Store) -> Result:
     differences: list[dict[str, Any]] = []
     failures: list[dict[str, Any]] = []
     examples = []
-    for point in points(study):
+    missing = wanted = 0
+    design = list(points(study))
+    for point in design:
         of_point = _Sums(study, point)
         for block, by_method in measured_blocks(study, point, store.read(point)):
             of_point.add(block, by_method)
+        for standing in of_point.standings.values():
+            missing, wanted = missing + standing.missing.size, wanted + standing.target
         rows += [row(point, measurement) for measurement in of_point.sums()]
         differences += [{**point.columns, **found} for found in of_point.comparison.rows()]
         failures += of_point.failures
@@ -82,7 +99,9 @@ def result(study: Study, store: Store) -> Result:
     if not rows:
         raise ValueError(f"{store.folder} holds no finished block; run the study first")
     table = pd.DataFrame(rows)
-    return Result(table, pd.DataFrame(differences), pd.DataFrame(failures), examples)
+    return Result(
+        table, pd.DataFrame(differences), pd.DataFrame(failures), examples, (missing, wanted), store.others(design)
+    )
 
 
 class _Sums:
@@ -113,8 +132,7 @@ class _Sums:
                     for m in found
                     for failure in m.failed
                 ]
-        if len(counted) == len(self.standings):
-            self.comparison.add([m for found in counted for m in found])
+        self.comparison.add([m for found in counted for m in found])
 
     def sums(self) -> list[Measurement]:
         return [measurement for standing in self.standings.values() for measurement in standing.sums.values()]

@@ -21,6 +21,14 @@ def plain(section: BaseModel) -> dict[str, Any]:
     return tree
 
 
+def resolved(section: BaseModel) -> dict[str, Any]:
+    """A section with all its values, those by default too, as JSON can hold it."""
+    tree: dict[str, Any] = json.loads(
+        json.dumps(section.model_dump(mode="json", exclude_none=True)), parse_constant=str
+    )
+    return tree
+
+
 def suggestion(given: str, known: Iterable[str]) -> str:
     """`one of a, b, c`, and the nearest of them where one is near."""
     names = list(known)

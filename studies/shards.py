@@ -7,10 +7,10 @@ from pathlib import Path
 import pandas as pd
 
 from studies import manifest
-from studies.design import methods, points, task
+from studies.design import methods, points
 from studies.engine import Share, store_of
-from studies.measurement import Block
-from studies.stopping import measured_blocks, standings
+from studies.lock import only_writer
+from studies.stopping import standings
 
 
 def parsed(text: str) -> Share:
@@ -43,17 +43,32 @@ def merge(folder: Path, parts: Sequence[Path]) -> pd.DataFrame:
     OSError
         Where the folder cannot be written.
     """
-    for part in parts:
-        study, seed = manifest.study_of(part)
-        manifest.begin(study, seed, folder)
-        here, there = store_of(study, seed, folder), store_of(study, seed, part)
-        for point in points(study):
-            for number, by_method in measured_blocks(study, point, there.read(point)):
-                traces = there.read_traces(point) if number == 0 else {}
-                together = [measurement for group in by_method.values() for measurement in group]
-                if together:
-                    here.write(task(study, point, number), Block(together, traces))
-            here.compact(point)
+    joined = [*parts, *([folder] if (folder / manifest.NAME).exists() else [])]
+    studies = [manifest.read(part)["study"] for part in joined]
+    for part, described in zip(joined, studies, strict=True):
+        for key in ("axes", "points", "trials"):
+            given, first = described.get(key), studies[0].get(key)
+            if given != first:
+                raise ValueError(f"{key} of {part} is {given}; all that is joined must have the same, {first}")
+    with only_writer(folder):
+        for part in parts:
+            _take_over(folder, part)
+    return missing_blocks(folder)
+
+
+def _take_over(folder: Path, part: Path) -> None:
+    """Add the blocks of a shard to those of a folder, a file for each point."""
+    study, seed = manifest.study_of(part)
+    if study.kind == "levels":
+        raise ValueError(f"{part} holds a study that simulates nothing; it has no blocks")
+    manifest.begin(study, seed, folder)
+    here, there = store_of(study, seed, folder), store_of(study, seed, part)
+    for point in points(study):
+        here.take_over(point, there)
+
+
+def missing_blocks(folder: Path) -> pd.DataFrame:
+    """A row for each block of a run that is missing: point, its values, block, and the estimators that lack it."""
     study, seed = manifest.study_of(folder)
     store, rows = store_of(study, seed, folder), []
     for point in points(study):

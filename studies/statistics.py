@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import betaincinv, ndtri
+from scipy.special import betaincinv, ndtri, stdtrit
 
 from sim.band import Real
 from studies.moments import QUANTITIES, Moments
@@ -138,16 +138,24 @@ def clopper_pearson(moments: Moments, of: str, over: str = "tried", confidence: 
 
 
 def _share(moments: Moments, of: str, over: str) -> tuple[float, float]:
-    """A share, and the number of independent trials of equal weight that give it as exactly."""
+    """A share, and the number of independent trials of equal weight that give it as exactly.
+
+    Trials of one cluster depend on each other. What their clusters' spread tells of them is itself uncertain, so that
+    the number is taken times `(z / t)^2` with Student's t of the clusters (Korn and Graubard 1998); where no spread was
+    seen, a cluster counts as one trial, and a single cluster tells nothing.
+    """
     p, error = ratio(moments, of, over)
     if not moments.weighted and moments.trials <= moments.clusters:
         return p, moments[over]
-    trials = effective_trials(moments) if moments.weighted else moments[over]
+    if moments.clusters < 2:
+        return p, np.nan
+    caution = (ndtri(0.975) / stdtrit(moments.clusters - 1, 0.975)) ** 2
+    if moments.weighted:
+        return p, caution * p * (1 - p) / error**2 if error > 0 else effective_trials(moments)
     if not error > 0:
-        return p, trials
-    # Dependence within clusters can only take from the trials; weights can also add to them.
-    spread = p * (1 - p) / error**2
-    return p, spread if moments.weighted else min(trials, spread)
+        return p, float(moments.clusters)
+    # Dependence within clusters can only take from the trials.
+    return p, min(moments[over], caution * p * (1 - p) / error**2)
 
 
 def _std(moments: Moments, square: str, error: str, over: str) -> Statistic:

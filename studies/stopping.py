@@ -11,6 +11,7 @@ from studies.blocks import Stored
 from studies.design import Point, blocks, task
 from studies.measurement import Measurement
 from studies.method import Method
+from studies.moments import Moments
 from studies.study import Study, Until
 
 
@@ -75,10 +76,14 @@ def met(rule: Until, measurement: Measurement) -> bool:
     moments = measurement.moments
     rate, spread = statistics.ratio(moments, "wrong", "tried"), statistics.std_in_wrap(moments)
     return (
-        (rule.wrap_errors is None or moments.wrap_errors >= rule.wrap_errors)
+        (rule.wrap_errors is None or _errors_seen(moments) >= rule.wrap_errors)
         and (rule.wrap_rate_error is None or 0 < rate.error <= rule.wrap_rate_error * rate.value)
         and (rule.std_error is None or 0 < spread.error <= rule.std_error * spread.value)
     )
+
+
+def _errors_seen(moments: Moments) -> float:
+    return statistics.effective_hits(moments, "wrong") if moments.weighted else moments.wrap_errors
 
 
 def measured_blocks(

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, ValidationError, model_validator
 
-from studies.drawing import FigureSection, SummarySection
+from studies.drawing import FigureSection, SummarySection, check_columns
 from studies.levels import Levels
 from studies.method import EstimatorSection
 from studies.patch import Patch
@@ -22,7 +22,7 @@ class Until(Section):
     Parameters
     ----------
     wrap_errors
-        So many wrap errors were seen.
+        So many wrap errors were seen; where trials have weights, as many of equal weight.
     wrap_rate_error
         The standard error of the wrap-error rate is at most this share of it.
     std_error
@@ -62,7 +62,7 @@ class Trials(Section):
 KINDS = ("patch", "scene", "levels")
 """Sections of which a study has one."""
 
-Axis = Mapping[str, Annotated[tuple[Any, ...], Field(min_length=1)]]
+Axis = Annotated[Mapping[str, Annotated[tuple[Any, ...], Field(min_length=1)]], Field(min_length=1)]
 
 
 class Study(Section):
@@ -114,10 +114,11 @@ class Study(Section):
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         self._check_what()
-        names = [section.name for section in self.estimators]
-        for name in names:
-            if names.count(name) > 1:
-                raise ValueError(f"estimators has two of the name {name!r}; each must have its own")
+        for key, sections in (("estimators", self.estimators), ("figures", self.figures)):
+            names = [section.name for section in sections]
+            for name in names:
+                if names.count(name) > 1:
+                    raise ValueError(f"{key} has two of the name {name!r}; each must have its own")
         seen: set[str] = set()
         for axis in self.axes:
             lengths = {key: len(values) for key, values in axis.items()}
@@ -148,6 +149,13 @@ class Study(Section):
                 raise ValueError(f"{name} is missing; it must be given")
             if given == ["levels"] and name in self.model_fields_set:
                 raise ValueError(f"{name} is given beside levels; it must not be, as nothing is simulated")
+
+    def check_columns(self, known: Sequence[str]) -> None:
+        """ValueError for a column of the summary or a figure that the table does not have."""
+        check_columns("summary", [*self.summary.columns, *self.summary.where], known)
+        for section in self.figures:
+            if section.draw is None:
+                check_columns(f"figure {section.name}", section.used, known)
 
     def _check_axis(self, key: str) -> None:
         """ValueError unless a key names something that decides the echoes."""

@@ -30,7 +30,7 @@ def swath_figure(predicted: pd.DataFrame, window: str) -> Figure:
     for panel, (column, label, scale, best) in zip(panels, PANELS, strict=False):
         for number, (seabed, rows) in enumerate(predicted.groupby("seabed", sort=False)):
             colour = figures.COLOURS[number % len(figures.COLOURS)]
-            style = "--" if column == "best_window" else "-"
+            style = ("--" if column == "best_window" else "-") + ("o" if len(rows) < 3 else "")
             shown = rows[column].where(rows[column] > (0 if scale == "log" or column == "best_window" else -1e9))
             panel.plot(rows.ground_range, shown, style, color=colour, linewidth=1.4, label=str(seabed))
             if best:
@@ -40,7 +40,7 @@ def swath_figure(predicted: pd.DataFrame, window: str) -> Figure:
         if column == "wrap_error_rate":
             panel.set_ylim(1e-8, 1.5)
     panels[-1].set_visible(False)
-    for panel in panels[2:5]:
+    for panel in panels:
         panel.xaxis.set_tick_params(labelbottom=True)
         panel.set_xlabel("ground range [m]")
     handles, labels = axes[0][0].get_legend_handles_labels()

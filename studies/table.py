@@ -6,8 +6,9 @@ import numpy as np
 
 from studies import statistics
 from studies.design import Point
+from studies.measure import FACTS
 from studies.measurement import Measurement
-from studies.moments import Moments
+from studies.moments import Moments, of_errors
 
 FEW = 10.0
 """Effective number of weighted trials, or of weighted wrap errors, below which a row is marked as resting on a few."""
@@ -67,6 +68,13 @@ def row(point: Point, measurement: Measurement) -> dict[str, Any]:
         "few_dominate": _few_dominate(moments),
         "seconds_per_pixel": measurement.seconds_per_pixel,
     }
+
+
+def columns_at(point: Point) -> list[str]:
+    """Columns of the table at a design point."""
+    moments, batches = of_errors(np.zeros((2, 1)), np.zeros((2, 1), dtype=np.bool_))
+    facts = dict.fromkeys(FACTS, 1.0)
+    return list(row(point, Measurement("", "", "", 1, facts, moments, batches, 0, [], 0, 0.0)))
 
 
 def _with_error(name: str, statistic: statistics.Statistic, scale: float) -> dict[str, float]:

@@ -58,3 +58,18 @@ def test_one_estimator_has_nobody_to_compare_with():
     comparison.add(block(a=np.zeros((5, 1))))
     assert comparison.rows() == []
     assert Comparison().rows() == []
+
+
+def test_blocks_that_only_some_have_count_for_those():
+    rng = np.random.default_rng(3)
+    comparison, both = Comparison(), [pairs(rng, 100) for _ in range(3)]
+    for a, b in both:
+        comparison.add(block(a=a, b=b))
+    comparison.add(block(a=np.zeros((100, 1)), c=np.ones((100, 1))))
+    rows = {(row["estimator"], row["other"]): row for row in comparison.rows()}
+    assert set(rows) == {("a", "b"), ("a", "c")}
+    a, b = (np.concatenate(parts) for parts in zip(*both, strict=True))
+    expected = np.mean(np.abs(a) > 0.5) - np.mean(np.abs(b) > 0.5)
+    assert rows["a", "b"]["wrap_rate_difference"] == pytest.approx(expected)
+    assert rows["a", "b"]["trials"] == 300
+    assert rows["a", "c"]["wrap_rate_difference"] == -1.0

@@ -285,7 +285,9 @@ def test_a_seed_is_that_of_the_words_of_the_digest():
 def test_the_manifest_says_where_the_numbers_come_from(small, plain, tmp_path):
     found = manifest.read(tmp_path / "plain")
     assert found["seed"] == 2026
-    assert {"study", "commit", "versions", "python", "machine", "digest"} <= set(found)
+    assert {"study", "fixed", "digest", "runs"} <= set(found)
+    (here,) = found["runs"]
+    assert {"commit", "python", "machine", "numpy", "finufft"} <= set(here)
     assert found["fixed"]["trials.block"] == 100
     assert manifest.study_of(tmp_path / "plain") == (small, 2026)
 

@@ -76,7 +76,7 @@ def test_columns_are_the_bounds():
         ({"coherence": 0.5, "looks": 0.5}, "looks is 0.5; it must lie between 1 and 1e\\+09"),
         ({"coherence": 0.5, "window": 0}, "window is 0; it must be a whole number of at least 1"),
         ({"sediment": "snow"}, "sediment is 'snow'; .*"),
-        ({"coherence": 0.5, "kappa": -1}, "kappa is -1; it must be above 0"),
+        ({"coherence": 0.5, "kappa": -1}, "kappa is -1; it must lie between 0 and 1e\\+06"),
         ({"coherence": 0.5, "grid": 0}, "looks_per_pixel is 2; it must lie between 0 and 1"),
     ],
 )
