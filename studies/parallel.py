@@ -1,5 +1,6 @@
 """Where blocks are computed: in this process, in threads or processes, or on the workers of a Dask scheduler."""
 
+import logging
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
 from functools import lru_cache
@@ -41,13 +42,20 @@ def parallel(backend: str, jobs: int, scheduler: str | None) -> Iterator[Paralle
 @contextmanager
 def _dask(scheduler: str | None) -> Iterator[None]:
     try:
-        from distributed import CancelledError, Client
+        from distributed import CancelledError, Client, KilledWorker
     except ImportError:
         raise ValueError("backend is dask; it must be installed: pip install 'twinecho[dask]'") from None
+    # What it says of itself is said below, in one line.
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
     try:
         with Client(scheduler, timeout="5s", set_as_default=True):
             yield
+    except KilledWorker as error:
+        raise OSError(f"workers of {scheduler} die of a block: {error}; what was done is stored") from None
     except (OSError, TimeoutError, CancelledError) as error:
+        # An error of the system has a number, one of the connection none.
+        if getattr(error, "errno", None) is not None:
+            raise
         said = str(error) or type(error).__name__
         raise OSError(f"the Dask scheduler {scheduler} does not answer: {said}; what was done is stored") from None
 
