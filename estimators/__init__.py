@@ -7,6 +7,7 @@ from estimators.interferogram import Interferogram
 from estimators.maximum_likelihood import MaximumLikelihood
 from estimators.phase_slope import FullBandPhaseSlope
 from estimators.split_spectrum import SplitSpectrum
+from estimators.two_window import TwoWindow
 from estimators.windows import FixedWindow
 
 __all__ = [
@@ -18,5 +19,6 @@ __all__ = [
     "Interferogram",
     "MaximumLikelihood",
     "SplitSpectrum",
+    "TwoWindow",
     "bounds",
 ]
