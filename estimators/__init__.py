@@ -5,6 +5,7 @@ from estimators.cross_correlation import CrossCorrelation
 from estimators.estimate import DelayEstimate, Estimator
 from estimators.interferogram import Interferogram
 from estimators.maximum_likelihood import MaximumLikelihood
+from estimators.multi_chromatic import MultiChromatic
 from estimators.phase_slope import FullBandPhaseSlope
 from estimators.split_spectrum import SplitSpectrum
 from estimators.two_window import TwoWindow
@@ -18,6 +19,7 @@ __all__ = [
     "FullBandPhaseSlope",
     "Interferogram",
     "MaximumLikelihood",
+    "MultiChromatic",
     "SplitSpectrum",
     "TwoWindow",
     "bounds",

@@ -102,6 +102,16 @@ def over_lags(
     return by_rows(pair, window, int(np.ceil(2 * reach / factor)), bytes_per_sample, peaks, *beside)
 
 
+def read_at(pair: EchoPair, window: FixedWindow, delay: Real, lags_per_resolution: int) -> Peak:
+    """Windowed lag product at a given delay of every pixel [s], within half the record."""
+
+    def read(stack: LagStack, _: int, near: Real) -> Peak:
+        unread = Peak(near, stack.products[0], stack.energies[0], np.ones((), dtype=np.bool_))
+        return moved_to(unread, stack, near).spread()
+
+    return over_lags(pair, window, float(np.abs(delay).max()), lags_per_resolution, 0.0, read, delay)
+
+
 def by_rows(
     pair: EchoPair,
     window: FixedWindow,

@@ -11,7 +11,7 @@ from estimators.estimate import DelayEstimate
 from estimators.interferogram import zero_lag
 from estimators.peak import Peak
 from estimators.search import by_rows, describe
-from estimators.sub_bands import band_pass, band_share, carried_to, derivative
+from estimators.sub_bands import band_pass, band_share, carried_to, lag_slope
 from estimators.uncertainty import WrapErrors
 from estimators.windows import FixedWindow
 from sim import EchoPair, checks
@@ -68,11 +68,8 @@ class SplitSpectrum:
             spacing = np.average(frequencies, weights=shares[1]) - np.average(frequencies, weights=shares[0])
             slope = -np.angle(high * low.conj()) / (2 * np.pi * spacing)
             peak = zero_lag(primary, secondary, self.window)
-            turn = self.window.sum(
-                primary.conj() * derivative(secondary, frequencies)
-                - derivative(primary, frequencies).conj() * secondary
-            )
-            return peak._replace(delay=slope, product=carried_to(slope, peak.product, turn / 2)).spread()
+            turn = lag_slope(primary, secondary, frequencies, self.window)
+            return peak._replace(delay=slope, product=carried_to(slope, peak.product, turn)).spread()
 
         peak = by_rows(pair, self.window, 0, BYTES_PER_SAMPLE, peaks)
         return describe(

@@ -1,8 +1,9 @@
-"""Sub-bands of a series, and the phase of the full band carried to a delay."""
+"""Sub-bands of a series, and zero-lag interferograms carried to a delay."""
 
 import numpy as np
 import scipy.fft
 
+from estimators.windows import FixedWindow
 from sim.band import Complex, Real
 
 
@@ -24,8 +25,15 @@ def band_pass(series: Complex, share: Real) -> Complex:
     return passed
 
 
-def derivative(series: Complex, frequencies: Real) -> Complex:
-    """Derivative of periodic series in time [1/s]."""
+def lag_slope(primary: Complex, secondary: Complex, frequencies: Real, window: FixedWindow) -> Complex:
+    """Derivative over the delay, at zero, of the windowed lag product `sum p*(t - tau/2) s(t + tau/2)` [1/s]."""
+    turn: Complex = window.sum(
+        primary.conj() * _derivative(secondary, frequencies) - _derivative(primary, frequencies).conj() * secondary
+    )
+    return turn / 2
+
+
+def _derivative(series: Complex, frequencies: Real) -> Complex:
     slope: Complex = scipy.fft.ifft(2j * np.pi * frequencies * scipy.fft.fft(series, axis=-1), axis=-1)
     return slope
 

@@ -6,9 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.estimate import DelayEstimate, Estimator
-from estimators.lag_product import LagStack
-from estimators.peak import Peak, moved_to
-from estimators.search import describe, over_lags
+from estimators.search import describe, read_at
 from estimators.uncertainty import debiased_coherence, predicted_phase_std
 from estimators.windows import FixedWindow
 from sim import EchoPair, checks
@@ -55,7 +53,7 @@ class TwoWindow:
         wide = self.wrap.estimate(pair)
         within = _readable(wide.delay, pair)
         near = np.where(within, wide.delay, 0.0)
-        peak = _read_at(pair, self.phase, near, self.lags_per_resolution)
+        peak = read_at(pair, self.phase, near, self.lags_per_resolution)
         narrow = describe(pair, self.phase, peak, refine=True, search=0.5 / pair.centre_frequency)
         return replace(
             narrow,
@@ -79,13 +77,3 @@ def _readable(delay: Real, pair: EchoPair) -> NDArray[np.bool_]:
     """Where a delay is a number within half the record."""
     readable: NDArray[np.bool_] = np.abs(delay) <= pair.grid.period / 2
     return readable
-
-
-def _read_at(pair: EchoPair, window: FixedWindow, delay: Real, lags_per_resolution: int) -> Peak:
-    """Lag product of a window at a delay of every pixel [s]."""
-
-    def read(stack: LagStack, _: int, near: Real) -> Peak:
-        unread = Peak(near, stack.products[0], stack.energies[0], np.ones((), dtype=np.bool_))
-        return moved_to(unread, stack, near).spread()
-
-    return over_lags(pair, window, float(np.abs(delay).max()), lags_per_resolution, 0.0, read, delay)

@@ -14,6 +14,7 @@ from estimators import (
     FullBandPhaseSlope,
     Interferogram,
     MaximumLikelihood,
+    MultiChromatic,
     SplitSpectrum,
     TwoWindow,
 )
@@ -23,6 +24,8 @@ METHODS = {
     "cross-correlation": CrossCorrelation,
     "cross-correlation-group": lambda window: CrossCorrelation(window, refine=False),
     "split-spectrum": SplitSpectrum,
+    "multi-chromatic": lambda window: MultiChromatic(window, bands=3),
+    "multi-chromatic-group": lambda window: MultiChromatic(window, bands=6, refine=False),
     "maximum-likelihood": MaximumLikelihood,
     "phase-slope": lambda window: FullBandPhaseSlope(window, lags_per_resolution=8),
     "phase-slope-strongest": lambda window: FullBandPhaseSlope(window, peak="strongest", lags_per_resolution=8),
@@ -97,6 +100,7 @@ def test_what_is_reported_lies_within_its_limits(make_patch, method, options, wi
         # standard deviation at these delays.
         (Interferogram, 0.03),
         (SplitSpectrum, 0.03),
+        (MultiChromatic, 0.03),
         (CrossCorrelation, 1e-4),
         (METHODS["cross-correlation-group"], 1e-4),
         (MaximumLikelihood, 1e-4),
