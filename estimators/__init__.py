@@ -1,6 +1,6 @@
 """Methods: arrays in, delay estimates out; windows and bounds."""
 
-from estimators import bounds
+from estimators import bounds, conformance
 from estimators.cross_correlation import CrossCorrelation
 from estimators.estimate import DelayEstimate, Estimator
 from estimators.interferogram import Interferogram
@@ -23,4 +23,5 @@ __all__ = [
     "SplitSpectrum",
     "TwoWindow",
     "bounds",
+    "conformance",
 ]
