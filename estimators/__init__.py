@@ -1,12 +1,14 @@
 """Methods: arrays in, delay estimates out; windows and bounds."""
 
-from estimators import bounds
+from estimators import bounds, conformance
 from estimators.cross_correlation import CrossCorrelation
 from estimators.estimate import DelayEstimate, Estimator
 from estimators.interferogram import Interferogram
 from estimators.maximum_likelihood import MaximumLikelihood
+from estimators.multi_chromatic import MultiChromatic
 from estimators.phase_slope import FullBandPhaseSlope
 from estimators.split_spectrum import SplitSpectrum
+from estimators.two_window import TwoWindow
 from estimators.windows import FixedWindow
 
 __all__ = [
@@ -17,6 +19,9 @@ __all__ = [
     "FullBandPhaseSlope",
     "Interferogram",
     "MaximumLikelihood",
+    "MultiChromatic",
     "SplitSpectrum",
+    "TwoWindow",
     "bounds",
+    "conformance",
 ]

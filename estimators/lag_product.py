@@ -90,8 +90,9 @@ def upsampled(series: Complex, factor: int) -> Complex:
     wide[:, :positive] = spectrum[:, :positive]
     wide[:, samples * factor - samples + positive :] = spectrum[:, positive:]
     if samples % 2 == 0:
-        # The Nyquist bin stands for both ends of the band.
-        wide[:, -samples // 2] = wide[:, samples // 2] = spectrum[:, samples // 2] / 2
+        # The Nyquist bin stands for both ends of the band, which at one instant a sample are one again.
+        wide[:, -samples // 2] = spectrum[:, samples // 2] / 2
+        wide[:, samples // 2] += spectrum[:, samples // 2] / 2
     fine = scipy.fft.ifft(wide, axis=-1, overwrite_x=True) * factor
     return np.ascontiguousarray(np.moveaxis(fine.reshape(rows, samples, factor), -1, 0))
 

@@ -73,7 +73,8 @@ def over_lags(
     search: float,
     lags_per_resolution: int,
     wraps_beyond: float,
-    find: Callable[[LagStack, int], Peak],
+    find: Callable[..., Peak],
+    *beside: Real,
 ) -> Peak:
     """Apply a method to the windowed lag products of every pixel.
 
@@ -85,18 +86,30 @@ def over_lags(
         How far beyond the search range the method reads the lag products, in wraps.
     find
         The method. It is given the lag products and how many lags at either end lie beyond the search range: the
-        wraps it asked for, and `STENCIL` more for the interpolation.
+        wraps it asked for, and `STENCIL` more for the interpolation; then the rows of what lies beside.
+    beside
+        Arrays of the pair's shape of which the method needs the same rows.
     """
     factor = int(np.ceil(2 * lags_per_resolution * pair.bandwidth / pair.sample_rate))
     lags_per_second = factor * pair.sample_rate / 2
     margin = STENCIL + int(np.ceil(wraps_beyond / pair.centre_frequency * lags_per_second))
     reach = max(int(np.ceil(search * lags_per_second)), 1) + margin
 
-    def peaks(primary: Complex, secondary: Complex) -> Peak:
-        return find(lag_stack(primary, secondary, window, factor, reach, pair.sample_rate), margin)
+    def peaks(primary: Complex, secondary: Complex, *rows: Real) -> Peak:
+        return find(lag_stack(primary, secondary, window, factor, reach, pair.sample_rate), margin, *rows)
 
     bytes_per_sample = 40 * (2 * reach + 1) + 48 * factor
-    return by_rows(pair, window, int(np.ceil(2 * reach / factor)), bytes_per_sample, peaks)
+    return by_rows(pair, window, int(np.ceil(2 * reach / factor)), bytes_per_sample, peaks, *beside)
+
+
+def read_at(pair: EchoPair, window: FixedWindow, delay: Real, lags_per_resolution: int) -> Peak:
+    """Windowed lag product at a given delay of every pixel [s], within half the record."""
+
+    def read(stack: LagStack, _: int, near: Real) -> Peak:
+        unread = Peak(near, stack.products[0], stack.energies[0], np.ones((), dtype=np.bool_))
+        return moved_to(unread, stack, near).spread()
+
+    return over_lags(pair, window, float(np.abs(delay).max()), lags_per_resolution, 0.0, read, delay)
 
 
 def by_rows(
@@ -104,12 +117,13 @@ def by_rows(
     window: FixedWindow,
     lag_samples: int,
     bytes_per_sample: int,
-    peaks: Callable[[Complex, Complex], Peak],
+    peaks: Callable[..., Peak],
+    *beside: Real,
 ) -> Peak:
     """Apply a method to blocks of rows, with as many rows around each as the window needs.
 
     The method sees series of double precision, scaled by a power of two towards 1, and periodic: one that is not is
-    continued by zeros for `lag_samples` and the window.
+    continued by zeros for `lag_samples` and the window. It sees the same rows of the arrays beside, continued likewise.
     """
     window.check(pair)
     rows, samples = pair.shape
@@ -125,8 +139,9 @@ def by_rows(
             np.pad(series[first:last].astype(np.complex128) * scale, ((0, 0), (0, padding)))
             for series, scale in zip((pair.primary, pair.secondary), scales, strict=True)
         )
+        others = (np.pad(array[first:last], ((0, 0), (0, padding))) for array in beside)
         inner = slice(start - first, stop - first)
-        found.append([array[inner, :samples] for array in peaks(primary, secondary)])
+        found.append([array[inner, :samples] for array in peaks(primary, secondary, *others)])
     return Peak(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
 
 

@@ -11,10 +11,11 @@ from estimators.estimate import DelayEstimate
 from estimators.interferogram import zero_lag
 from estimators.peak import Peak
 from estimators.search import by_rows, describe
+from estimators.sub_bands import band_pass, band_share, carried_to, lag_slope
 from estimators.uncertainty import WrapErrors
 from estimators.windows import FixedWindow
 from sim import EchoPair, checks
-from sim.band import Complex, Real
+from sim.band import Complex
 
 BYTES_PER_SAMPLE = 192
 
@@ -60,18 +61,15 @@ class SplitSpectrum:
 
         def peaks(primary: Complex, secondary: Complex) -> Peak:
             frequencies = scipy.fft.fftfreq(primary.shape[1], 1 / pair.sample_rate)
-            shares = [_band_share(frequencies, centre, width) for centre in (-apart / 2, apart / 2)]
+            shares = [band_share(frequencies, centre, width) for centre in (-apart / 2, apart / 2)]
             low, high = (
-                self.window.sum(_band_pass(primary, share).conj() * _band_pass(secondary, share)) for share in shares
+                self.window.sum(band_pass(primary, share).conj() * band_pass(secondary, share)) for share in shares
             )
             spacing = np.average(frequencies, weights=shares[1]) - np.average(frequencies, weights=shares[0])
             slope = -np.angle(high * low.conj()) / (2 * np.pi * spacing)
             peak = zero_lag(primary, secondary, self.window)
-            turn = self.window.sum(
-                primary.conj() * _derivative(secondary, frequencies)
-                - _derivative(primary, frequencies).conj() * secondary
-            )
-            return peak._replace(delay=slope, product=_carried_to(slope, peak.product, turn / 2)).spread()
+            turn = lag_slope(primary, secondary, frequencies, self.window)
+            return peak._replace(delay=slope, product=carried_to(slope, peak.product, turn)).spread()
 
         peak = by_rows(pair, self.window, 0, BYTES_PER_SAMPLE, peaks)
         return describe(
@@ -88,29 +86,3 @@ class SplitSpectrum:
 def _prediction(sub_band_share: float) -> WrapErrors:
     """One object for one share, so that its table is made once."""
     return partial(bounds.split_spectrum_wrap_error_probability, sub_band_share=sub_band_share)
-
-
-def _band_share(frequencies: Real, centre: float, width: float) -> Real:
-    """Share of each Fourier bin that lies in a band; none of the Nyquist bin, which lies at both ends."""
-    bin_width = frequencies[1]
-    share: Real = np.clip((width / 2 - np.abs(frequencies - centre)) / bin_width + 0.5, 0.0, 1.0)
-    if len(frequencies) % 2 == 0:
-        share[len(frequencies) // 2] = 0.0
-    return share
-
-
-def _derivative(series: Complex, frequencies: Real) -> Complex:
-    slope: Complex = scipy.fft.ifft(2j * np.pi * frequencies * scipy.fft.fft(series, axis=-1), axis=-1)
-    return slope
-
-
-def _carried_to(delay: Real, product: Complex, derivative: Complex) -> Complex:
-    """Lag product at a delay from its value and derivative at zero: the phase to first order, the magnitude kept."""
-    rate = np.divide(derivative, product, out=np.zeros_like(product), where=product != 0).imag
-    carried: Complex = product * np.exp(1j * rate * delay)
-    return carried
-
-
-def _band_pass(series: Complex, share: Real) -> Complex:
-    passed: Complex = scipy.fft.ifft(scipy.fft.fft(series, axis=-1) * np.sqrt(share), axis=-1)
-    return passed

@@ -12,7 +12,7 @@ WrapErrors = Callable[[float, Real, float], Real]
 """Probability of a wrap error from looks, coherence and relative bandwidth."""
 
 NODES = 257
-"""Coherences at which the wrap-error probability is tabulated."""
+"""Coherences at which predictions are tabulated."""
 
 
 def debiased_coherence(sample_coherence: Real, looks: float) -> Real:
@@ -23,6 +23,12 @@ def debiased_coherence(sample_coherence: Real, looks: float) -> Real:
 def predicted_std(bound: Real, search: float) -> Real:
     """A bound's standard deviation, at most that of a guess anywhere in `-search` to `search` [s]."""
     std: Real = np.minimum(bound, search / np.sqrt(3))
+    return std
+
+
+def predicted_phase_std(coherence: Real, looks: float) -> Real:
+    """Standard deviation of a multilook phase [rad], `estimators.bounds.multilook_phase_std` over the coherence."""
+    std: Real = np.interp(coherence, *_phase_std_table(looks))
     return std
 
 
@@ -42,6 +48,17 @@ def predicted_wrap_errors(
 
 @lru_cache(maxsize=256)
 def _wrap_error_table(predict: WrapErrors, looks: float, relative_bandwidth: float) -> tuple[Real, Real]:
-    # Even steps in the angle whose sine is the coherence: dense where the probability falls fastest.
-    nodes = np.sin(np.linspace(0, np.pi / 2, NODES))
+    nodes = _coherence_nodes()
     return nodes, predict(looks, nodes, relative_bandwidth)
+
+
+@lru_cache(maxsize=256)
+def _phase_std_table(looks: float) -> tuple[Real, Real]:
+    nodes = _coherence_nodes()
+    return nodes, bounds.multilook_phase_std(looks, nodes)
+
+
+def _coherence_nodes() -> Real:
+    """Even steps in the angle whose sine is the coherence: dense where spread and wrap errors fall fastest."""
+    nodes: Real = np.sin(np.linspace(0, np.pi / 2, NODES))
+    return nodes
