@@ -8,6 +8,7 @@ import time
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from statistics import median
+from typing import NamedTuple
 
 from studies import catalogue, engine, report
 from studies.design import blocks, methods, points, task
@@ -15,7 +16,23 @@ from studies.measure import measure
 from studies.parallel import one_thread
 from studies.study import Study
 
-BLOCKS, REPEATS = 24, 5
+BLOCKS, REPEATS = 24, 7
+
+
+class Times(NamedTuple):
+    """Seconds on the wall clock, and of this process's processor."""
+
+    wall: float
+    processor: float
+
+    @classmethod
+    def now(cls) -> "Times":
+        """The clocks."""
+        return cls(time.perf_counter(), time.process_time())
+
+    def since(self, start: "Times") -> "Times":
+        """Between two readings."""
+        return Times(self.wall - start.wall, self.processor - start.processor)
 
 
 def study() -> Study:
@@ -30,35 +47,35 @@ def study() -> Study:
     return catalogue.study("wrap-errors").with_values(values)
 
 
-def bare(numbers: list[int]) -> float:
-    """Seconds that the same work takes in a plain loop."""
+def bare(numbers: list[int]) -> Times:
+    """Times that the same work takes in a plain loop."""
     work = study()
     point = next(points(work))
     chosen = methods(work, point)
     with one_thread():
-        start = time.perf_counter()
+        start = Times.now()
         for number in numbers:
             measure(task(work, point, number), chosen, work.trials.block, 2026)
-        return time.perf_counter() - start
+        return Times.now().since(start)
 
 
-def with_engine(jobs: int, backend: str) -> float:
-    """Seconds of a run with its report's statistics."""
+def with_engine(jobs: int, backend: str) -> Times:
+    """Times of a run with its report's statistics."""
     work = study()
     with tempfile.TemporaryDirectory() as folder:
-        start = time.perf_counter()
+        start = Times.now()
         engine.run(work, engine.Run(jobs=jobs, backend=backend), Path(folder))
         report.result(work, engine.store_of(work, 2026, Path(folder)))
-        return time.perf_counter() - start
+        return Times.now().since(start)
 
 
-def two_processes(numbers: list[int]) -> float:
-    """Seconds of the same work in two bare processes."""
+def two_processes(numbers: list[int]) -> Times:
+    """Times of the same work in two bare processes."""
     with ProcessPoolExecutor(2) as pool:
         list(pool.map(bare, [[0], [0]]))
-        start = time.perf_counter()
+        start = Times.now()
         list(pool.map(bare, [numbers[::2], numbers[1::2]]))
-        return time.perf_counter() - start
+        return Times.now().since(start)
 
 
 def main() -> None:
@@ -72,16 +89,21 @@ def main() -> None:
         "bare, two processes": lambda: two_processes(numbers),
         "loky, two jobs": lambda: with_engine(2, "loky"),
     }
-    seconds = {name: [] for name in cases}
+    seconds: dict[str, list[float]] = {name: [] for name in cases}
+    processor: dict[str, list[float]] = {name: [] for name in cases}
     for _ in range(REPEATS):
         for name, run in cases.items():
-            seconds[name].append(run())
+            took = run()
+            seconds[name].append(took.wall)
+            processor[name].append(took.processor)
     middle = {name: median(times) for name, times in seconds.items()}
     for name, times in seconds.items():
         print(f"{name:20s} {middle[name]:6.2f} s  ({min(times):.2f} to {max(times):.2f})")
     print(f"a block takes {middle['bare'] / len(numbers):.3f} s")
-    overheads = [with_ / without - 1 for with_, without in zip(seconds["sequential"], seconds["bare"], strict=True)]
-    print(f"overhead of the engine: {median(overheads):.2%} (runs: {', '.join(f'{o:.2%}' for o in overheads)})")
+    for kind, times in (("wall clock", seconds), ("processor", processor)):
+        overheads = [with_ / without - 1 for with_, without in zip(times["sequential"], times["bare"], strict=True)]
+        runs = ", ".join(f"{overhead:.2%}" for overhead in overheads)
+        print(f"overhead of the engine, {kind}: {median(overheads):.2%} (runs: {runs})")
     print(f"two bare processes are {middle['bare'] / middle['bare, two processes']:.2f} times as fast as one")
     print(f"two jobs are {middle['sequential'] / middle['loky, two jobs']:.2f} times as fast as one")
 

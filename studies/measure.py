@@ -152,8 +152,13 @@ def predicted_delay_std(estimator: Estimator, looks: float, coherence: float, so
     if isinstance(estimator, MaximumLikelihood):
         return float(bounds.coherent_delay_crlb(looks, coherence, fc, bandwidth))
     if getattr(estimator, "refine", True):
-        return float(bounds.multilook_phase_std(looks, coherence)) / (2 * np.pi * fc)
+        return _phase_std(looks, coherence) / (2 * np.pi * fc)
     return float(bounds.group_delay_crlb(looks, coherence, bandwidth))
+
+
+@lru_cache(maxsize=4096)
+def _phase_std(looks: float, coherence: float) -> float:
+    return float(bounds.multilook_phase_std(looks, coherence))
 
 
 @lru_cache(maxsize=4096)
