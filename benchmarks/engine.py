@@ -16,7 +16,7 @@ from studies.measure import measure
 from studies.parallel import one_thread
 from studies.study import Study
 
-BLOCKS, REPEATS = 24, 7
+BLOCKS, REPEATS = 64, 5
 
 
 class Times(NamedTuple):
