@@ -101,24 +101,17 @@ def predict(
     ValueError
         Unless one of sediment and coherence is given, and for a value outside its limits.
     """
-    y = np.atleast_1d(np.asarray(ground_range, dtype=float))
     grid = ImageGrid() if grid is None else grid
     checks.count("window", window)
     checks.within("kappa", kappa, 0.0, 1e6)
     checks.within("most_wrap_errors", most_wrap_errors, 1e-12, 1.0)
     if (sediment is None) == (coherence is None):
         raise ValueError("sediment and coherence are both given or both missing; it must be one of them")
+    y = np.atleast_1d(np.asarray(ground_range, dtype=float))
+    y = _over_ranges("ground_range", y, y, 0.0, 1e6)
     of_seabed = coherence if sediment is None else expected_coherence(sonar, sediment, y)
-    gamma = np.broadcast_to(np.asarray(of_seabed, dtype=float), y.shape)
-    n = np.broadcast_to(grid.looks(window) if looks is None else np.asarray(looks, dtype=float), y.shape)
-    for name, values, low, high in (
-        ("coherence", gamma, 0.0, 1.0),
-        ("looks", n, 1.0, 1e9),
-        ("ground_range", y, 0, 1e6),
-    ):
-        bad = ~((values >= low) & (values <= high))
-        if bad.any():
-            raise ValueError(f"{name} is {values[bad][0]:g}; it must lie between {low:g} and {high:g}")
+    gamma = _over_ranges("coherence", of_seabed, y, 0.0, 1.0)
+    n = _over_ranges("looks", grid.looks(window) if looks is None else looks, y, 1.0, 1e9)
     swath = _Swath(sonar, np.hypot(y, sonar.altitude), gamma)
     best = _best_window(swath, grid, kappa, most_wrap_errors)
     proposed = np.where(best > 0, grid.looks(np.maximum(best, 1)), np.nan)
@@ -134,15 +127,22 @@ def predict(
             "looks": n,
             "wrap_height": swath.slant_range * sonar.wavelength / sonar.baseline,
             "depth_std": swath.depth_std(n),
-            "depth_crlb": bounds.depth_crlb(
-                n, gamma, sonar.centre_frequency, swath.slant_range, sonar.baseline, sonar.sound_speed
-            ),
+            "depth_crlb": swath.depth_crlb(n),
             "wrap_error_rate": swath.wrap_errors(n),
             "best_window": best,
             "best_depth_std": swath.depth_std(proposed),
             "best_wrap_error_rate": swath.wrap_errors(proposed),
         }
     )
+
+
+def _over_ranges(name: str, given: ArrayLike | None, ground_range: Real, low: float, high: float) -> Real:
+    """A value at each range; ValueError for one outside its limits."""
+    values = np.broadcast_to(np.asarray(given, dtype=float), ground_range.shape)
+    bad = ~((values >= low) & (values <= high))
+    if bad.any():
+        raise ValueError(f"{name} is {values[bad][0]:g}; it must lie between {low:g} and {high:g}")
+    return values
 
 
 @dataclass(frozen=True)
@@ -158,6 +158,12 @@ class _Swath:
         of_phase = self.slant_range * sonar.wavelength / (2 * np.pi * sonar.baseline)
         std: Real = of_phase * bounds.multilook_phase_std(looks, self.coherence)
         return std
+
+    def depth_crlb(self, looks: Real) -> Real:
+        sonar = self.sonar
+        return bounds.depth_crlb(
+            looks, self.coherence, sonar.centre_frequency, self.slant_range, sonar.baseline, sonar.sound_speed
+        )
 
     def wrap_errors(self, looks: Real) -> Real:
         return bounds.wrap_error_probability(looks, self.coherence, self.sonar.relative_bandwidth)

@@ -7,10 +7,11 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from sim import SEDIMENTS, scattering_strength
+from sim.scattering import Model
 from studies import figures
 from studies.drawing import Examples
 
-MODELS = ("small-slope", "apl-uw")
+MODELS: tuple[Model, ...] = ("small-slope", "apl-uw")
 
 
 def answer(table: pd.DataFrame) -> str:
@@ -50,12 +51,13 @@ def strength(table: pd.DataFrame, examples: Examples) -> Figure:
     cases = list(handbook.groupby(["sediment", "frequency_khz"], sort=False))
     figure, axes = figures.grid(1, len(cases), width=3.4, height=3.4)
     angle = np.linspace(0.5, 90.0, 359)
-    for panel, ((name, kilohertz), points) in zip(axes[0], cases, strict=True):
-        sediment = SEDIMENTS[str(name)]
+    for panel, (_, points) in zip(axes[0], cases, strict=True):
+        name, kilohertz = str(points.sediment.iloc[0]), float(points.frequency_khz.iloc[0])
+        sediment = SEDIMENTS[name]
         volume = points.volume_parameter_override.iloc[0]
         as_tabulated = sediment if np.isnan(volume) else sediment.adjusted(volume_parameter=float(volume))
         for number, (model, bed) in enumerate(zip(MODELS, (sediment, as_tabulated), strict=True)):
-            level = scattering_strength(bed, angle, float(kilohertz) * 1e3, model=model, sound_speed=1528.0)  # type: ignore[arg-type]
+            level = scattering_strength(bed, angle, kilohertz * 1e3, model=model, sound_speed=1528.0)
             panel.plot(angle, level, color=figures.COLOURS[number], linestyle=("--", "-")[number], label=model)
         panel.plot(points.grazing_deg, points.strength_db, "o", color="black", markersize=3.5, label="TR 9407, table")
         panel.set_title(f"{name}, {kilohertz:g} kHz", fontsize=10)

@@ -102,7 +102,10 @@ def test_a_long_point_has_few_files_while_it_runs(small, table_of, tmp_path, mon
     monkeypatch.setattr(engine, "LOOSE", 8)
     study = small.with_values({"patch.snr": [10], "trials.count": 640, "trials.block": 10})
     most = []
-    count = lambda done, total: most.append(len(list((tmp_path / "a" / "blocks").glob("*"))) if done else 0)  # noqa: E731
+
+    def count(done, total):
+        most.append(len(list((tmp_path / "a" / "blocks").glob("*"))) if done else 0)
+
     found = table_of(study.of_estimators(["split-spectrum"]), PLAIN, tmp_path / "a", progress=count)
     assert max(most) <= 8 + 64 // 8 + 1
     assert most[-1] == 1
