@@ -41,6 +41,10 @@ def simulate(
     none, the seabed scatters alike everywhere, the flat floor has unit mean power at every range, and `snr` sets the
     noise.
 
+    The band is flat, so that its pulse has side lobes without end: next to a seabed that is 20 dB brighter or more, as
+    at the null of a beam, what is measured is theirs. At the null of `hisas-1032`, 34.8 m, the coherence over coarse
+    sand falls to .1 where noise and geometry leave .8; from its swath's near end at 42 m they agree.
+
     Parameters
     ----------
     scene, sonar
