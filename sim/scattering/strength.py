@@ -34,7 +34,7 @@ def scattering_strength(
     checked from 20 to 300 kHz; outside these, or the stated ranges of parameters, a `ValidityWarning` is issued once.
     The handbook states errors of about 3 dB for sand and silt above 5 degrees and about 10 dB for gravel and rock.
     Below about 3 degrees `apl-uw` blends into its law of large roughness, where a rougher seabed may be weaker: coarse
-    sand at 100 kHz and 1 degree falls from -47.1 to -53.5 dB as its spectral strength rises from .0026 to .0036 cm^4.
+    sand at 100 kHz and 1 degree falls from -46.7 to -51.1 dB as its spectral strength rises from .0026 to .0036 cm^4.
 
     Parameters
     ----------
