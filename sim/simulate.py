@@ -42,8 +42,9 @@ def simulate(
     noise.
 
     The band is flat, so that its pulse has side lobes without end: next to a seabed that is 20 dB brighter or more, as
-    at the null of a beam, what is measured is theirs. By the null of `hisas-1032`, at 34.7 m of ground range, the coherence
-    over coarse sand is .09 where noise and geometry leave .95; at the near end of its swath, 42 m, it is .991 for .993.
+    at the null of a beam, what is measured is theirs. By the null of `hisas-1032`, at 34.7 m of ground range, the
+    coherence over coarse sand is .09 where noise and geometry leave .95; at the near end of its swath, 42 m, it is .991
+    for .993.
 
     Parameters
     ----------
