@@ -7,9 +7,11 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from estimators import FixedWindow, conformance
 from sim import SONARS
 from studies import catalogue, engine, predict, report
 from studies.cli import app
+from studies.named import imported
 from studies.study import made
 
 DOCS = sorted((Path(__file__).parents[1] / "docs").glob("*.md"))
@@ -47,6 +49,8 @@ def test_the_estimator_of_ones_own_is_one(monkeypatch, tmp_path):
     (code,) = (code for _, code in found_in("python") if "Whitened" in code)
     (tmp_path / "my_estimator.py").write_text(code)
     monkeypatch.syspath_prepend(tmp_path)
+    made_by_docs = imported("my_estimator:Whitened", "method")(FixedWindow(1, 33))
+    assert conformance.findings(made_by_docs) == []
     study = catalogue.study("wrap-errors").with_values(
         {
             "estimators": [
