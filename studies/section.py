@@ -16,16 +16,16 @@ class Section(BaseModel):
 
 def plain(section: BaseModel) -> dict[str, Any]:
     """What was given of a section, as JSON can hold it: infinite numbers as words."""
-    given = section.model_dump(mode="json", exclude_none=True, exclude_unset=True)
-    tree: dict[str, Any] = json.loads(json.dumps(given), parse_constant=str)
-    return tree
+    return _as_json(section.model_dump(mode="json", exclude_none=True, exclude_unset=True))
 
 
 def resolved(section: BaseModel) -> dict[str, Any]:
     """A section with all its values, those by default too, as JSON can hold it."""
-    tree: dict[str, Any] = json.loads(
-        json.dumps(section.model_dump(mode="json", exclude_none=True)), parse_constant=str
-    )
+    return _as_json(section.model_dump(mode="json", exclude_none=True))
+
+
+def _as_json(values: dict[str, Any]) -> dict[str, Any]:
+    tree: dict[str, Any] = json.loads(json.dumps(values), parse_constant=str)
     return tree
 
 

@@ -20,7 +20,7 @@ from scipy.special import ndtr, ndtri, owens_t
 
 from .conventions import MOST_LOOKS, Floats, open_ratio, within
 from .passband_pair import OFFSET, log_pair_curve
-from .wrap_errors import stencil
+from .wrap_errors import over_looks
 
 MOST_WRAPS = 5
 NODES = np.unique(np.concatenate([np.arange(2, 12), np.round(np.geomspace(12, 1.5e9, 70))])).astype(np.int64)
@@ -115,16 +115,9 @@ def _one_side(looks: Floats, gamma: Floats, ratio: float, cell: tuple[float, flo
     with np.errstate(divide="ignore"):
         log_q = np.clip(2.0 * np.log(gamma) - np.log1p(-gamma) - np.log1p(gamma), -1e3, 1e3)
     whole = np.maximum(looks, 2.0)
-    first, weights = stencil(whole, NODES)
-    height = np.zeros(looks.shape)
-    for node in range(int(np.min(first)), int(np.max(first)) + 4):
-        member = node - first
-        used = np.flatnonzero((member >= 0) & (member < 4))
-        weight = weights[used, member[used]]
-        used, weight = used[weight != 0.0], weight[weight != 0.0]
-        if used.size:
-            curve = log_pair_curve(int(NODES[node]), ratio, cell, projected)
-            height[used] += weight * (curve(log_q[used]) - np.log(NODES[node]))
+    height = over_looks(
+        whole, NODES, log_q, lambda node, x: log_pair_curve(node, ratio, cell, projected)(x) - np.log(node)
+    )
     exponent = np.exp(np.minimum(height, 600.0)) * whole - OFFSET
     exponent = np.log(2.0) + np.clip(looks - 1.0, 0.0, 1.0) * np.maximum(exponent - np.log(2.0), 0.0)
     p = np.where(exponent < -np.log(LEAST), np.exp(-exponent), 0.0)

@@ -8,11 +8,15 @@ Source of the equations: theory section 3.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .conventions import MOST_LOOKS, Floats, open_ratio, within
 from .envelope_pair import log_exponent_curve
+
+Curve = Callable[[int, Floats], Floats]
 
 NODES = np.unique(np.concatenate([np.arange(2, 21), np.round(np.geomspace(21, 1.3e9, 100))])).astype(np.int64)
 
@@ -84,17 +88,7 @@ def _exponent(looks: Floats, gamma: Floats, ratio: float) -> Floats:
     """`-log(2 E[P])`; its ratio to `N - 1` is interpolated in logs over N between whole looks."""
     with np.errstate(divide="ignore"):
         log_q = np.clip(2.0 * np.log(gamma) - np.log1p(-gamma) - np.log1p(gamma), -1e3, 1e3)
-    first, weights = stencil(looks, NODES)
-    height = np.zeros(looks.shape)
-    for node in range(int(np.min(first)), int(np.max(first)) + 4):
-        member = node - first
-        used = np.flatnonzero((member >= 0) & (member < 4))
-        weight = weights[used, member[used]]
-        used, weight = used[weight != 0.0], weight[weight != 0.0]
-        if used.size:
-            whole = int(NODES[node])
-            curve = log_exponent_curve(whole, ratio)
-            height[used] += weight * (curve(log_q[used]) - np.log(whole - 1.0))
+    height = over_looks(looks, NODES, log_q, lambda whole, x: log_exponent_curve(whole, ratio)(x) - np.log(whole - 1.0))
     exponent = np.where(gamma < 1.0, np.exp(np.minimum(height, 700.0)), np.inf)
     exponent = np.where(looks > 1.0, exponent, 0.0) * (looks - 1.0)
     few = (looks > 1.0) & (looks < 2.0) & (gamma < 1.0)
@@ -111,6 +105,20 @@ def _between_one_and_two(looks: Floats, gamma: Floats, ratio: float) -> Floats:
     u = looks - 1.0
     result: Floats = u * (2.0 * two - slope - (two - slope) * u)
     return result
+
+
+def over_looks(looks: Floats, nodes: NDArray[np.int64], log_q: Floats, curve: Curve) -> Floats:
+    """A curve of `log q` that is known at whole looks, interpolated in log N between them; one-dimensional."""
+    first, weights = stencil(looks, nodes)
+    height = np.zeros(looks.shape)
+    for node in range(int(np.min(first)), int(np.max(first)) + 4):
+        member = node - first
+        used = np.flatnonzero((member >= 0) & (member < 4))
+        weight = weights[used, member[used]]
+        used, weight = used[weight != 0.0], weight[weight != 0.0]
+        if used.size:
+            height[used] += weight * curve(int(nodes[node]), log_q[used])
+    return height
 
 
 def stencil(looks: Floats, nodes: NDArray[np.int64]) -> tuple[NDArray[np.int64], Floats]:
