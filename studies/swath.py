@@ -8,9 +8,8 @@ from pydantic import Field, model_validator
 
 from estimators import DelayEstimate, FixedWindow
 from estimators.moving_sum import circular_sum
-from sim import Box, EchoPair, Feature, Scene, Sonar, Wedge, simulate
+from sim import Box, EchoPair, Feature, Scene, Sonar, Wedge, plan, simulate
 from sim.band import Real
-from sim.simulate import time_grid
 from studies.quantity import Decibels, Metres
 from studies.section import Section
 from studies.world import Reading
@@ -73,13 +72,11 @@ class Swath(Section):
 
     def check(self, sonar: Sonar) -> None:
         """ValueError unless the sonar is above the scene."""
-        highest = self.scene().highest
-        if sonar.altitude <= highest:
-            raise ValueError(f"altitude is {sonar.altitude:g} m; it must be above the scene, {highest:g} m")
+        plan(self.scene(), sonar)
 
     def shape(self, sonar: Sonar, trials: int) -> tuple[int, int]:
         """One row a trial, as long as the scene is heard."""
-        return trials, time_grid(self.scene(), sonar).samples
+        return trials, plan(self.scene(), sonar).grid.samples
 
     def simulate(self, sonar: Sonar, trials: int, rng: np.random.Generator) -> EchoPair:
         """One row a trial, registered to the floor."""
