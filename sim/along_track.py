@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from sim import checks
 from sim.band import Real
+from sim.compiled import compiled
 
 REACH = 12
 """Resolutions to either side that a row gathers from."""
@@ -16,8 +17,8 @@ REACH = 12
 TAPER = 5.0
 """Of the Kaiser window over them."""
 
-BLOCK = 32
-"""Rows filtered in one product of matrices."""
+STRETCH = 512
+"""Columns filtered together."""
 
 
 @dataclass(frozen=True)
@@ -65,19 +66,19 @@ class AlongTrack:
         """Filtered rows from independent ones, shape (rows + 2 halo, samples), complex and contiguous."""
         if self.halo == 0:
             return rows
-        count = len(rows) - 2 * self.halo
-        gathered = np.empty((count, rows.shape[1]), dtype=rows.dtype)
-        # Real matrices: the complex series as twice as many real columns.
+        gathered = np.zeros((len(rows) - 2 * self.halo, rows.shape[1]), dtype=rows.dtype)
+        # The complex series as twice as many real columns.
         before, after = (array.view(array.real.dtype) for array in (rows, gathered))
-        width = 2 * self.halo + 1
-        mix = np.zeros((BLOCK, BLOCK + width - 1), dtype=before.dtype)
-        for row in range(BLOCK):
-            mix[row, row : row + width] = self.weights
-        for start in range(0, count, BLOCK):
-            size = min(BLOCK, count - start)
-            np.matmul(
-                mix[:size, : size + width - 1],
-                before[start : start + size + width - 1],
-                out=after[start : start + size],
-            )
+        _gather(before, self.weights.astype(before.dtype), after)
         return gathered
+
+
+@compiled
+def _gather(rows: Real, weights: Real, gathered: Real) -> None:
+    """Add up weighted rows, always in the same order, in stretches that stay in the cache."""
+    for start in range(0, rows.shape[1], STRETCH):
+        stop = min(start + STRETCH, rows.shape[1])
+        for row in range(len(gathered)):
+            for offset in range(len(weights)):
+                for column in range(start, stop):
+                    gathered[row, column] += weights[offset] * rows[row + offset, column]

@@ -172,9 +172,9 @@ def plan(
     required = _required(scene, sonar, tolerance, seen, chosen.get("delays"))
     required["along_track"] = along_track, "distance of rows, and the resolution of the aperture"
     for name in chosen:
-        checks.one_of("decision", name, required)
+        checks.one_of("decision", name, sorted(required))
     values = {name: chosen.get(name, choice) for name, (choice, _) in required.items()}
-    made = _checked(Plan(**values))
+    made = _checked(Plan(**values), scene)
     costs = _costs(scene, sonar, made, rows, seen.corners)
     decisions = (
         Decision(name, values[name], "as asked for" if name in chosen else reason, *costs.get(name, (0.0, 0.0)))
@@ -269,12 +269,15 @@ def _required(
     }
 
 
-def _checked(made: Plan) -> Plan:
+def _checked(made: Plan, scene: Scene) -> Plan:
     for name, allowed in (("sections", ("one", "each")), ("delays", get_args(Delays)), ("level", get_args(Level))):
         checks.one_of(name, getattr(made, name), allowed)
     if checks.finite("scatterers_per_resolution", made.scatterers_per_resolution) < 1:
         raise ValueError(f"scatterers_per_resolution is {made.scatterers_per_resolution:g}; it must be at least 1")
     checks.within("accuracy", made.accuracy, 1e-14, 1e-2)
+    if (made.level == "even") != (scene.sediment is None):
+        level = "even for a scene without sediment" if scene.sediment is None else "flat or local for a sediment"
+        raise ValueError(f"level is {made.level!r}; it must be {level}")
     return made
 
 

@@ -41,9 +41,7 @@ def test_features_with_ends_along_track_are_there_only():
 
 
 @settings(max_examples=60, deadline=None)
-@given(
-    st.floats(-90.0, 90.0), st.floats(0.5, 4.0), st.floats(0.01, 0.5), st.floats(-30.0, 30.0), st.floats(NEAR, FAR)
-)
+@given(st.floats(-90.0, 90.0), st.floats(0.5, 4.0), st.floats(0.01, 0.5), st.floats(-30.0, 30.0), st.floats(NEAR, FAR))
 def test_a_furrow_is_a_raised_cosine_across_its_axis(direction, width, depth, along_track, ground_range):
     mark = TrawlMark(50.0, direction, depth, width)
     angle = np.radians(direction)
