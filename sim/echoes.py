@@ -9,7 +9,7 @@ from sim.levels import scatterer_power
 from sim.listening import Listening
 from sim.profile import Profile, SeabedPoints
 from sim.streams import Streams, Use
-from sim.texture import texture_shape
+from sim.texture import scattered, texture_shape
 from sim.visibility import sees
 
 
@@ -99,7 +99,8 @@ def scatterer_spectra(listening: Listening, profile: Profile, rows: range, strea
     power = scatterer_power(scene, sonar, profile, points, length, plan.level)
     amplitudes = streams.gaussian(Use.SPECKLE, rows, len(length)) * np.sqrt(power)
     if np.isfinite(scene.speckle_shape):
-        shape = texture_shape(scene.speckle_shape, plan.scatterers_per_resolution, plan.along_track)
+        in_range = scattered(plan.scatterers_per_resolution)
+        shape = texture_shape(scene.speckle_shape, in_range, plan.along_track)
         amplitudes *= np.sqrt(streams.texture(rows, len(length), shape))
     primary = echo_spectrum(listening.band, sonar.centre_frequency, times[0], amplitudes, plan.accuracy)
     if plan.shadow:

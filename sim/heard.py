@@ -49,7 +49,12 @@ def heard_at(profile: Profile, sonar: Sonar, times: Real, receiver_altitude: flo
         False where nothing hides anything, to spare looking for it.
     """
     segment, share, sample, stretch = _march(
-        profile.ground_range, profile.height, sonar.sound_speed * times, sonar.altitude, receiver_altitude, shadow
+        profile.ground_range,
+        profile.height,
+        sonar.sound_speed * times,
+        float(sonar.altitude),
+        float(receiver_altitude),
+        shadow,
     )
     return Heard(SeabedPoints(segment, share), sample, stretch)
 

@@ -11,7 +11,7 @@ from sim.listening import Listening
 from sim.profile import Profile
 from sim.registration import Resampling
 from sim.streams import Streams, Use
-from sim.texture import texture_shape
+from sim.texture import sampled, texture_shape
 
 
 def warped_series(
@@ -50,7 +50,8 @@ def warped_series(
     grid = band.grid
     samples = streams.gaussian(Use.SPECKLE, rows, grid.samples)
     if np.isfinite(scene.speckle_shape):
-        shape = texture_shape(scene.speckle_shape, grid.sample_rate / band.bandwidth, plan.along_track)
+        in_range = sampled(grid.sample_rate / band.bandwidth)
+        shape = texture_shape(scene.speckle_shape, in_range, plan.along_track)
         samples *= np.sqrt(streams.texture(rows, grid.samples, shape))
     samples *= _amplitude(listening, profile, heard)
     spectrum = scipy.fft.fft(samples, axis=-1, overwrite_x=True)
