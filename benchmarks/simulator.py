@@ -81,8 +81,9 @@ def at_size(rows: int, made: Plan, jobs: int) -> None:
     spent = perf_counter() - start
     bare = (before + bare_transforms(made)) / 2 * rows / jobs
     print(
-        f"{made.delays:<10} {pixels / 1e6:6.1f} Mpx  {jobs} threads  {spent:7.1f} s  {spent / pixels * 1e9:6.0f} ns a pixel",
-        f" bare transforms {bare:6.1f} s, ratio {spent / bare:4.1f}  peak {peak_memory():.2f} GiB",
+        f"{made.delays:<10} {pixels / 1e6:6.1f} Mpx  {jobs} threads  {spent:7.1f} s",
+        f"{spent / pixels * 1e9:6.0f} ns a pixel  bare transforms {bare:6.1f} s",
+        f"ratio {spent / bare:4.1f}  peak {peak_memory():.2f} GiB",
         flush=True,
     )
 

@@ -15,6 +15,7 @@ from sim.scattering import ValidityWarning, reflection_loss, scattering_strength
 from sim.scene import PointTarget, Scene, SedimentPatch
 from sim.sediment import ElasticBed, FluidBed, Sediment
 from sim.simulate import echo_blocks, simulate
+from sim.snr_profile import SnrProfile
 from sim.sonar import SONARS, Sonar
 from sim.sonar_equation import SonarEquation, snr, sonar_equation
 from sim.speckle import speckle_pair
@@ -48,6 +49,7 @@ __all__ = [
     "SedimentPatch",
     "SincBeam",
     "Slope",
+    "SnrProfile",
     "Sonar",
     "SonarEquation",
     "Step",

@@ -11,16 +11,22 @@ from sim.levels import range_gain
 from sim.plan import Plan
 from sim.registration import Resampling, registration
 from sim.scene import Scene
+from sim.snr_profile import SnrProfile
 from sim.sonar import Sonar
 
 
 @dataclass(frozen=True, eq=False)
 class Listening:
-    """A scene, a sonar, and a plan of what is modelled."""
+    """A scene, a sonar, a plan of what is modelled, and the signal-to-noise ratio where no sediment says it.
+
+    A profile of it is laid on the echoes, as the sonar equation is, beside noise of unit power; a number on the noise,
+    beside a floor of unit power.
+    """
 
     scene: Scene
     sonar: Sonar
     plan: Plan
+    snr: float | SnrProfile | None = None
 
     @cached_property
     def band(self) -> Band:
@@ -46,5 +52,19 @@ class Listening:
 
     @cached_property
     def gain(self) -> Real:
-        """Amplitude that echoes keep on their way, shape (samples,)."""
-        return range_gain(self.sonar, self.plan.grid.times)
+        """Amplitude that echoes keep on their way, shape (samples,) or (1,)."""
+        if self.scene.sediment is not None:
+            return range_gain(self.sonar, self.plan.grid.times)
+        if isinstance(self.snr, SnrProfile):
+            slant = self.plan.grid.times * self.sonar.sound_speed / 2
+            ground_range = np.sqrt(np.maximum(slant**2 - self.sonar.altitude**2, 0.0))
+            gain: Real = 10 ** (self.snr.at(ground_range) / 20)
+            return gain
+        return np.ones(1)
+
+    @property
+    def noise(self) -> float:
+        """Amplitude of the noise."""
+        if self.scene.sediment is not None or isinstance(self.snr, SnrProfile):
+            return 1.0
+        return 0.0 if self.snr is None else 10 ** (-self.snr / 20)

@@ -13,6 +13,7 @@ from sim.coherence import noise_coherence
 from sim.levels import Level
 from sim.profile import Profile
 from sim.scene import Scene
+from sim.snr_profile import SnrProfile
 from sim.sonar import Sonar
 from sim.sonar_equation import snr as predicted_snr
 from sim.time_grid import time_grid
@@ -123,7 +124,7 @@ def plan(
     scene: Scene,
     sonar: Sonar,
     *,
-    snr: float | None = None,
+    snr: float | SnrProfile | None = None,
     rows: int = 1,
     row_spacing: float | None = None,
     tolerance: float = 0.02,
@@ -144,7 +145,8 @@ def plan(
         How many rows, and their distance [m]; the along-track resolution, where they are independent, if None. Of
         other rows the plan says nothing.
     snr
-        For a scene without sediment: signal-to-noise ratio of the flat floor [dB]; None for no noise.
+        For a scene without sediment: signal-to-noise ratio of the flat floor [dB], or its profile over range; None for
+        no noise.
     tolerance
         Relative error of the spread of an estimate, and unevenness of the mean power, that may go without being
         modelled; 1e-6 to .5.
@@ -201,7 +203,7 @@ class Survey(NamedTuple):
     decorrelation: float
 
 
-def survey(scene: Scene, sonar: Sonar, places: Iterable[float], snr: float | None) -> Survey:
+def survey(scene: Scene, sonar: Sonar, places: Iterable[float], snr: float | SnrProfile | None) -> Survey:
     """Look at the sections at places along track [m].
 
     Nothing is hidden where the elevation angle rises from corner to corner, and nothing is heard at once with another
@@ -212,8 +214,10 @@ def survey(scene: Scene, sonar: Sonar, places: Iterable[float], snr: float | Non
     ranges = np.linspace(*scene.ground_range, SURVEYED)
     if scene.sediment is not None:
         noise = 1 - noise_coherence(predicted_snr(sonar, scene.sediment, ranges, model=scene.scattering))
+    elif snr is None:
+        noise = np.zeros(SURVEYED)
     else:
-        noise = np.full(SURVEYED, 0.0 if snr is None else 1 - float(noise_coherence(snr)))
+        noise = 1 - noise_coherence(snr.at(ranges) if isinstance(snr, SnrProfile) else np.full(SURVEYED, float(snr)))
     found = [_surveyed(scene.profile(place), sonar, ranges, noise) for place in places]
     return Survey(*(max(part) for part in zip(*found, strict=True)))
 

@@ -14,6 +14,7 @@ from sim.listening import Listening
 from sim.plan import Plan, plan
 from sim.profile import Profile
 from sim.scene import Scene
+from sim.snr_profile import SnrProfile
 from sim.sonar import Sonar
 from sim.streams import Streams, Use
 from sim.targets import add_targets
@@ -29,7 +30,7 @@ def simulate(
     sonar: Sonar,
     *,
     rng: np.random.Generator,
-    snr: float | None = None,
+    snr: float | SnrProfile | None = None,
     rows: int = 1,
     row_spacing: float | None = None,
     required: Plan | None = None,
@@ -57,7 +58,8 @@ def simulate(
     rng
         The only source of chance. The same seed gives the same speckle with and without noise.
     snr
-        For a scene without sediment: signal-to-noise ratio of the flat floor in each receiver [dB]; None for no noise.
+        For a scene without sediment: signal-to-noise ratio of the flat floor in each receiver [dB], or its profile over
+        range; None for no noise.
     rows
         Rows along track, the first at along-track place 0.
     row_spacing
@@ -78,8 +80,8 @@ def simulate(
         warp is asked for of a seabed that is heard several parts at a time.
     """
     streams = Streams.drawn(checks.generator(rng))
-    listening = Listening(scene, sonar, _required(scene, sonar, snr, rows, row_spacing, required))
-    return _block(listening, _noise(scene, snr), range(rows), streams)
+    listening = Listening(scene, sonar, _required(scene, sonar, snr, rows, row_spacing, required), snr)
+    return _block(listening, range(rows), streams)
 
 
 def echo_blocks(
@@ -87,7 +89,7 @@ def echo_blocks(
     sonar: Sonar,
     *,
     rng: np.random.Generator,
-    snr: float | None = None,
+    snr: float | SnrProfile | None = None,
     rows: int,
     row_spacing: float | None = None,
     required: Plan | None = None,
@@ -119,23 +121,27 @@ def echo_blocks(
         As `simulate`.
     """
     streams = Streams.drawn(checks.generator(rng))
-    listening = Listening(scene, sonar, _required(scene, sonar, snr, rows, row_spacing, required))
-    noise = _noise(scene, snr)
+    listening = Listening(scene, sonar, _required(scene, sonar, snr, rows, row_spacing, required), snr)
     checks.count("block", block)
     blocks = (range(start, min(start + block, rows)) for start in range(0, rows, block))
-    work = (delayed(_block)(listening, noise, numbers, streams) for numbers in blocks)
+    work = (delayed(_block)(listening, numbers, streams) for numbers in blocks)
     threads = checks.count("jobs", jobs)
     yield from Parallel(n_jobs=threads, backend="threading", return_as="generator", pre_dispatch="n_jobs")(work)
 
 
 def _required(
-    scene: Scene, sonar: Sonar, snr: float | None, rows: int, row_spacing: float | None, required: Plan | None
+    scene: Scene,
+    sonar: Sonar,
+    snr: float | SnrProfile | None,
+    rows: int,
+    row_spacing: float | None,
+    required: Plan | None,
 ) -> Plan:
     checks.count("rows", rows)
     if snr is not None:
-        checks.finite("snr", snr, "dB")
+        given = "given over range" if isinstance(snr, SnrProfile) else f"{checks.finite('snr', snr, 'dB'):g} dB"
         if scene.sediment is not None:
-            raise ValueError(f"snr is {snr:g} dB; it must be left out for a scene whose sediment gives the levels")
+            raise ValueError(f"snr is {given}; it must be left out for a scene whose sediment gives the levels")
     if required is None:
         return plan(scene, sonar, snr=snr, rows=rows, row_spacing=row_spacing)
     if row_spacing is not None:
@@ -143,8 +149,8 @@ def _required(
     return required
 
 
-def _block(listening: Listening, noise: float, numbers: range, streams: Streams) -> EchoPair:
-    """Some rows of a scene, with noise of an amplitude."""
+def _block(listening: Listening, numbers: range, streams: Streams) -> EchoPair:
+    """Some rows of a scene."""
     plan = listening.plan
     halo = plan.along_track.halo
     raw = range(numbers.start - halo, numbers.stop + halo)
@@ -153,7 +159,7 @@ def _block(listening: Listening, noise: float, numbers: range, streams: Streams)
     for some, profile in _sections(listening, raw):
         inside = slice(some.start - raw.start, some.stop - raw.start)
         heard = heard_at(profile, listening.sonar, plan.grid.times, listening.sonar.altitude, shadow=plan.shadow)
-        series[0, inside], series[1, inside] = _received(listening, noise, profile, heard, some, streams)
+        series[0, inside], series[1, inside] = _received(listening, profile, heard, some, streams)
         if some.start in numbers or (plan.sections == "one" and not truths):
             truths.append(truth(profile, listening.geometry, plan.grid.times, heard))
     primary, secondary = (plan.along_track.gather(channel) for channel in series)
@@ -184,7 +190,7 @@ def _sections(listening: Listening, rows: range) -> Iterator[tuple[range, Profil
 
 
 def _received(
-    listening: Listening, noise: float, profile: Profile, heard: Heard, rows: range, streams: Streams
+    listening: Listening, profile: Profile, heard: Heard, rows: range, streams: Streams
 ) -> tuple[Complex, Complex]:
     """Registered series of rows with one section, echoes and noise."""
     band = listening.band
@@ -194,12 +200,11 @@ def _received(
     else:
         spectra = scatterer_spectra(listening, profile, rows, streams)
         primary, secondary = band.series(spectra[0]), listening.registration.series(spectra[1])
-    if listening.scene.sediment is not None:
-        primary *= listening.gain
-        secondary *= listening.gain
-    if noise > 0:
+    primary *= listening.gain
+    secondary *= listening.gain
+    if listening.noise > 0:
         drawn = streams.gaussian(Use.NOISE, rows, 2 * band.harmonics.size).reshape(len(rows), 2, -1)
-        drawn *= noise * np.sqrt(band.weights / band.weights.sum())
+        drawn *= listening.noise * np.sqrt(band.weights / band.weights.sum())
         primary += band.series(drawn[:, 0])
         # Beside a warp it is registered but for the stretch of time, as the echoes are.
         secondary += (
@@ -208,10 +213,3 @@ def _received(
             else listening.registration.series(np.ascontiguousarray(drawn[:, 1]))
         )
     return primary, secondary
-
-
-def _noise(scene: Scene, snr: float | None) -> float:
-    """Amplitude of the noise."""
-    if scene.sediment is not None:
-        return 1.0
-    return 0.0 if snr is None else 10 ** (-snr / 20)

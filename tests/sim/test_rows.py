@@ -105,7 +105,7 @@ def test_speckle_of_rows_correlates_as_the_aperture_says():
     With the soft band edges of the filter it is off by .01 at the most; a mean over N looks scatters by 1 / sqrt(N),
     5 standard errors.
     """
-    pair = simulate(Scene((30.0, 50.0)), COARSE, rng=np.random.default_rng(8), rows=80, row_spacing=0.04)
+    pair = simulate(Scene((30.0, 50.0)), COARSE, rng=np.random.default_rng(8), rows=200, row_spacing=0.04)
     lit = np.isfinite(pair.truth.delay)
     for series in (pair.primary[:, lit], pair.secondary[:, lit]):
         looks = series.size * 0.4 * pair.bandwidth / pair.sample_rate

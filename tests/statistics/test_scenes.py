@@ -14,6 +14,7 @@ from sim import (
     PointTarget,
     Scene,
     SedimentPatch,
+    SnrProfile,
     Sonar,
     Step,
     SyntheticAperture,
@@ -244,3 +245,21 @@ def test_looks_of_planned_rows_are_those_that_the_pair_states():
     assert found == pytest.approx(expected, rel=5 * np.sqrt(4 / means.size))
     assert pair.row_looks == pytest.approx(0.02 / 0.0405)
     assert SyntheticAperture().resolution == 0.03
+
+
+def test_a_profile_of_the_signal_to_noise_ratio_is_that_of_the_echoes():
+    """Coherence `rho / (1 + rho)` and power `1 + rho` in stretches of 5 m; 5 standard errors from independent rows."""
+    scene, profile = Scene((150.0, 250.0)), SnrProfile((160.0, 240.0), (10.0, -10.0))
+    pair = simulate(scene, FAR, rng=np.random.default_rng(13), snr=profile, rows=150)
+    ground_range = np.sqrt(np.maximum((pair.grid.times * 740.0) ** 2 - 42.0**2, 0))
+    for low in np.arange(155.0, 245.0, 5.0):
+        columns = (ground_range >= low) & (ground_range < low + 5.0)
+        ratio = 10 ** (np.interp(ground_range[columns], (160.0, 240.0), (10.0, -10.0)) / 10)
+        primary, secondary = pair.primary[:, columns], pair.secondary[:, columns]
+        sums = ((np.abs(primary) ** 2).sum(1), (np.abs(secondary) ** 2).sum(1), (primary.conj() * secondary).sum(1))
+        found, error = jackknife(lambda p, s, c: c.real / np.sqrt(p * s), *sums)
+        # Power adds up, and so does what is common of it.
+        assert found == pytest.approx(ratio.sum() / (1 + ratio).sum(), abs=5 * error + 4e-4)
+        assert sums[0].mean() / columns.sum() == pytest.approx(
+            1 + ratio.mean(), abs=5 * sums[0].std() / columns.sum() / np.sqrt(150)
+        )
