@@ -1,14 +1,18 @@
 """Windows: over which pixels an estimator averages."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimators.moving_sum import Number, circular_sum, clipped_sum
 from sim import EchoPair, checks
-from sim.band import Band
+from sim.band import Band, Real
+
+Sizes = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -36,9 +40,18 @@ class FixedWindow:
     def __str__(self) -> str:
         return f"{self.rows}x{self.samples}"
 
+    def on(self, pair: EchoPair) -> "FixedWindow":
+        """Itself, whatever the pair."""
+        return self
+
+    @property
+    def extent(self) -> tuple[int, int]:
+        """Most rows and most samples at any time."""
+        return self.rows, self.samples
+
     def check(self, pair: EchoPair) -> None:
         """ValueError where the window is larger than the pair."""
-        for name, size, available in zip(("rows", "samples"), (self.rows, self.samples), pair.shape, strict=True):
+        for name, size, available in zip(("rows", "samples"), self.extent, pair.shape, strict=True):
             if size > available:
                 raise ValueError(f"the window has {size} {name}; the pair has {available}, and it must not have more")
 
@@ -48,9 +61,7 @@ class FixedWindow:
 
     def inside(self, pair: EchoPair) -> NDArray[np.bool_]:
         """Where the window lies within the pair; shape (rows, time)."""
-        rows, samples = (
-            _fits(available, size) for available, size in zip(pair.shape, (self.rows, self.samples), strict=True)
-        )
+        rows, samples = (_fits(available, size) for available, size in zip(pair.shape, self.extent, strict=True))
         return rows[:, None] & (samples | pair.circular)[None, :]
 
     def looks(self, pair: EchoPair) -> float:
@@ -65,6 +76,108 @@ class FixedWindow:
         lags = np.arange(1, self.samples)
         correlated = 2 * np.sum((self.samples - lags) * np.sinc(pair.bandwidth / pair.sample_rate * lags) ** 2)
         return self.rows * self.samples**2 / (self.samples + float(correlated))
+
+
+@dataclass(frozen=True, eq=False)
+class VaryingWindow:
+    """A rectangle of pixels whose size varies with time and is the same for all rows; what a policy gives for a pair.
+
+    At each time it does what a `FixedWindow` of that size does.
+
+    Parameters
+    ----------
+    rows, samples
+        Its sizes along track and in time, shape (time,).
+
+    Raises
+    ------
+    ValueError
+        For shapes that differ, or a size that is not a whole number of at least one; by the estimators, for another
+        number of times than the pair has, and for a size beyond that of the pair.
+    """
+
+    rows: Sizes
+    samples: Sizes
+
+    def __post_init__(self) -> None:
+        for name in ("rows", "samples"):
+            sizes = np.asarray(getattr(self, name))
+            if sizes.ndim != 1 or sizes.dtype.kind not in "iu" or sizes.size == 0 or sizes.min() < 1:
+                raise ValueError(
+                    f"{name} of the window are {sizes}; they must be whole numbers of at least 1, one for each time"
+                )
+            object.__setattr__(self, name, sizes.astype(np.int64))
+        if self.rows.shape != self.samples.shape:
+            raise ValueError(f"the window has {self.rows.size} rows and {self.samples.size} samples; it must be as many")
+
+    def __str__(self) -> str:
+        return f"{self.rows.min()}x{self.samples.min()} to {self.rows.max()}x{self.samples.max()}"
+
+    def on(self, pair: EchoPair) -> "VaryingWindow":
+        """Itself: it was made for a pair."""
+        return self
+
+    @property
+    def extent(self) -> tuple[int, int]:
+        """Most rows and most samples at any time."""
+        return int(self.rows.max()), int(self.samples.max())
+
+    def check(self, pair: EchoPair) -> None:
+        """ValueError where the window is larger than the pair, or made for another number of times."""
+        if self.rows.size != pair.shape[1]:
+            raise ValueError(
+                f"the window has sizes for {self.rows.size} times; the pair has {pair.shape[1]}, and it must have as many"
+            )
+        FixedWindow(*self.extent).check(pair)
+
+    def sum(self, array: NDArray[Number]) -> NDArray[Number]:
+        """Sum of (..., rows, time) over the window around each pixel: clipped in rows, circular in time.
+
+        Times beyond those that have a size take the last one.
+        """
+        total = np.empty_like(array)
+        for window, at in self._by_size(array.shape[-1]):
+            total[..., at] = np.broadcast_to(window.sum(array), array.shape)[..., at]
+        return total
+
+    def inside(self, pair: EchoPair) -> NDArray[np.bool_]:
+        """Where the window lies within the pair; shape (rows, time)."""
+        inside = np.empty(pair.shape, dtype=np.bool_)
+        for window, at in self._by_size(pair.shape[1]):
+            inside[:, at] = window.inside(pair)[:, at]
+        return inside
+
+    def looks(self, pair: EchoPair) -> Real:
+        """Equivalent independent looks at each time, as those of a `FixedWindow`; shape (time,)."""
+        looks = np.empty(pair.shape[1])
+        for window, at in self._by_size(pair.shape[1]):
+            looks[at] = window.looks(pair)
+        return looks
+
+    @cached_property
+    def _sizes(self) -> tuple[Sizes, Sizes]:
+        """Distinct sizes, (size, 2), and which of them each time has."""
+        distinct, which = np.unique(np.stack([self.rows, self.samples], axis=1), axis=0, return_inverse=True)
+        return distinct, which.reshape(-1)
+
+    def _by_size(self, times: int) -> Iterator[tuple[FixedWindow, NDArray[np.bool_]]]:
+        """A fixed window for each distinct size, and at which of so many times it stands."""
+        distinct, which = self._sizes
+        at = np.pad(which, (0, times - which.size), mode="edge")
+        for number, (rows, samples) in enumerate(distinct):
+            yield FixedWindow(int(rows), int(samples)), at == number
+
+
+Window = FixedWindow | VaryingWindow
+"""What an estimator averages over in one pair."""
+
+
+@runtime_checkable
+class WindowPolicy(Protocol):
+    """Anything that gives the window for a pair."""
+
+    def on(self, pair: EchoPair) -> Window:
+        """The window for a pair; ValueError where the pair does not tell what it depends on."""
 
 
 def _fits(available: int, size: int) -> NDArray[Any]:
