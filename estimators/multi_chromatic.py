@@ -40,7 +40,8 @@ class MultiChromatic:
     Parameters
     ----------
     window
-        What to average over, or the policy that says it for a pair; a sub-band has only the share `1 / C` of its looks, and of one look the phase is poor.
+        What to average over, or the policy that says it for a pair; a sub-band has only the share `1 / C` of its looks,
+        and of one look the phase is poor.
     bands
         `C`, at least 2.
     refine

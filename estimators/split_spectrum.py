@@ -63,9 +63,7 @@ class SplitSpectrum:
         def peaks(primary: Complex, secondary: Complex) -> Peak:
             frequencies = scipy.fft.fftfreq(primary.shape[1], 1 / pair.sample_rate)
             shares = [band_share(frequencies, centre, width) for centre in (-apart / 2, apart / 2)]
-            low, high = (
-                window.sum(band_pass(primary, share).conj() * band_pass(secondary, share)) for share in shares
-            )
+            low, high = (window.sum(band_pass(primary, share).conj() * band_pass(secondary, share)) for share in shares)
             spacing = np.average(frequencies, weights=shares[1]) - np.average(frequencies, weights=shares[0])
             slope = -np.angle(high * low.conj()) / (2 * np.pi * spacing)
             peak = zero_lag(primary, secondary, window)

@@ -108,7 +108,9 @@ class VaryingWindow:
                 )
             object.__setattr__(self, name, sizes.astype(np.int64))
         if self.rows.shape != self.samples.shape:
-            raise ValueError(f"the window has {self.rows.size} rows and {self.samples.size} samples; it must be as many")
+            raise ValueError(
+                f"the window has sizes for {self.rows.size} and {self.samples.size} times; it must be as many"
+            )
 
     def __str__(self) -> str:
         return f"{self.rows.min()}x{self.samples.min()} to {self.rows.max()}x{self.samples.max()}"
@@ -126,7 +128,7 @@ class VaryingWindow:
         """ValueError where the window is larger than the pair, or made for another number of times."""
         if self.rows.size != pair.shape[1]:
             raise ValueError(
-                f"the window has sizes for {self.rows.size} times; the pair has {pair.shape[1]}, and it must have as many"
+                f"the window has sizes for {self.rows.size} times; it must have them for the {pair.shape[1]} of the pair"
             )
         FixedWindow(*self.extent).check(pair)
 
