@@ -6,9 +6,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from estimators import bounds
 from estimators.interferogram import zero_lag
 from estimators.search import by_rows
+from estimators.uncertainty import debiased_coherence
 from estimators.windows import FixedWindow
 from sim import EchoPair, Geometry, Sediment, checks, expected_coherence
 from sim.band import Real
@@ -68,7 +68,7 @@ class MeasuredCoherence:
             return np.zeros(pair.shape[1])
         times = np.arange(pair.shape[1])
         mean = np.interp(times, times[seen], total[seen] / count[seen])
-        return bounds.debias_coherence(np.minimum(mean, 1.0), window.looks(pair))
+        return debiased_coherence(np.minimum(mean, 1.0), window.looks(pair))
 
 
 def _smoothed(series: Real, samples: float) -> Real:

@@ -201,8 +201,8 @@ def describe(
         if refine
         else bounds.group_delay_crlb(looks, debiased, pair.bandwidth)
     )
-    mean_energy = peak.energy.mean()
-    brightness = np.divide(peak.energy, peak.energy + mean_energy, out=np.zeros_like(magnitude), where=has_echo)
+    energy = peak.energy / window.pixels
+    brightness = np.divide(energy, energy + energy.mean(), out=np.zeros_like(magnitude), where=has_echo)
     wrong = predicted_wrap_errors(
         wrap_errors, debiased, looks, pair.bandwidth / pair.centre_frequency, search * pair.centre_frequency
     )

@@ -49,6 +49,11 @@ class FixedWindow:
         """Most rows and most samples at any time."""
         return self.rows, self.samples
 
+    @property
+    def pixels(self) -> int:
+        """Pixels in it."""
+        return self.rows * self.samples
+
     def check(self, pair: EchoPair) -> None:
         """ValueError where the window is larger than the pair."""
         for name, size, available in zip(("rows", "samples"), self.extent, pair.shape, strict=True):
@@ -124,11 +129,16 @@ class VaryingWindow:
         """Most rows and most samples at any time."""
         return int(self.rows.max()), int(self.samples.max())
 
+    @property
+    def pixels(self) -> Sizes:
+        """Pixels in it at each time."""
+        return self.rows * self.samples
+
     def check(self, pair: EchoPair) -> None:
         """ValueError where the window is larger than the pair, or made for another number of times."""
         if self.rows.size != pair.shape[1]:
             raise ValueError(
-                f"the window has sizes for {self.rows.size} times; it must have them for the {pair.shape[1]} of the pair"
+                f"the window has sizes for {self.rows.size} times; it must have them for all {pair.shape[1]} of the pair"
             )
         FixedWindow(*self.extent).check(pair)
 
