@@ -7,21 +7,32 @@ from estimators.interferogram import Interferogram
 from estimators.maximum_likelihood import MaximumLikelihood
 from estimators.multi_chromatic import MultiChromatic
 from estimators.phase_slope import FullBandPhaseSlope
+from estimators.pixels import Pixels
+from estimators.range_coherence import KnownCoherence, MeasuredCoherence, ModelledCoherence
 from estimators.split_spectrum import SplitSpectrum
 from estimators.two_window import TwoWindow
-from estimators.windows import FixedWindow
+from estimators.window_policies import AdaptiveWindow, ConstantStdWindow, WrapSafeWindow
+from estimators.windows import FixedWindow, VaryingWindow
 
 __all__ = [
+    "AdaptiveWindow",
+    "ConstantStdWindow",
     "CrossCorrelation",
     "DelayEstimate",
     "Estimator",
     "FixedWindow",
     "FullBandPhaseSlope",
     "Interferogram",
+    "KnownCoherence",
     "MaximumLikelihood",
+    "MeasuredCoherence",
+    "ModelledCoherence",
     "MultiChromatic",
+    "Pixels",
     "SplitSpectrum",
     "TwoWindow",
+    "VaryingWindow",
+    "WrapSafeWindow",
     "bounds",
     "conformance",
 ]

@@ -138,7 +138,7 @@ class VaryingWindow:
         """ValueError where the window is larger than the pair, or made for another number of times."""
         if self.rows.size != pair.shape[1]:
             raise ValueError(
-                f"the window has sizes for {self.rows.size} times; it must have them for all {pair.shape[1]} of the pair"
+                f"the window has sizes for {self.rows.size} times; it must have them for all {pair.shape[1]}"
             )
         FixedWindow(*self.extent).check(pair)
 

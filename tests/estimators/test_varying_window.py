@@ -145,7 +145,7 @@ def test_windows_that_cannot_be(build, message):
 @pytest.mark.parametrize(
     ("window", "message"),
     [
-        (VaryingWindow([1, 1], [3, 3]), "the window has sizes for 2 times; it must have them for all 40 of the pair"),
+        (VaryingWindow([1, 1], [3, 3]), "the window has sizes for 2 times; it must have them for all 40"),
         (VaryingWindow([6] * 40, [3] * 40), "the window has 6 rows; the pair has 5, and it must not have more"),
     ],
 )
