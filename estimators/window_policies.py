@@ -1,6 +1,8 @@
 """Windows whose size follows from how good a depth must be: paper B's two rules, and one that is safe of wraps."""
 
-from dataclasses import dataclass, field, replace
+from abc import ABC, abstractmethod
+from dataclasses import MISSING, Field, dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +47,7 @@ class View:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SquareWindow:
+class SquareWindow(ABC):
     """Of all policies here: a square on the ground of an odd number of pixels that varies with range only.
 
     Parameters
@@ -79,6 +81,12 @@ class SquareWindow:
         if self.smallest > self.largest:
             raise ValueError(f"smallest is {self.smallest}; it must be at most largest, {self.largest}")
 
+    def __str__(self) -> str:
+        """Its name, and what differs from the defaults."""
+        given = [(f.name, getattr(self, f.name)) for f in fields(self) if getattr(self, f.name) != _default(f)]
+        words = [f"{name}={getattr(value, '__name__', None) or value}" for name, value in given]
+        return f"{type(self).__name__}({', '.join(words)})"
+
     def view(self, pair: EchoPair) -> View:
         """What of a pair decides the window."""
         geometry = pair.geometry if pair.geometry is not None else self.geometry
@@ -91,8 +99,21 @@ class SquareWindow:
         slant, fc, bandwidth = geometry.slant_range(times), pair.centre_frequency, pair.bandwidth
         return View(pair, pixels, Ranges(slant, coherence, fc, bandwidth, sonar.baseline, sonar.sound_speed))
 
+    def on(self, pair: EchoPair) -> VaryingWindow:
+        """The window for a pair."""
+        view = self.view(pair)
+        return view.square(self.rows(view))
+
+    @abstractmethod
+    def rows(self, view: View) -> NDArray[np.int64]:
+        """Its rows, odd and within the limits; shape (time,)."""
+
     def _within_limits(self, side: Real) -> NDArray[np.int64]:
         return nearest_odd(np.clip(side, self.smallest, self.largest))
+
+
+def _default(of: "Field[Any]") -> Any:
+    return of.default if of.default_factory is MISSING else of.default_factory()
 
 
 @dataclass(frozen=True)
@@ -115,10 +136,9 @@ class ConstantStdWindow(SquareWindow):
         """Rows that equation 5 asks for, in real numbers and without limits; shape (time,)."""
         return side_of_constant_std(view.ranges.depth_crlb(1.0), self.std, view.pixels)
 
-    def on(self, pair: EchoPair) -> VaryingWindow:
-        """The window for a pair."""
-        view = self.view(pair)
-        return view.square(self._within_limits(self.side(view)))
+    def rows(self, view: View) -> NDArray[np.int64]:
+        """Those of `side`, odd and within the limits; shape (time,)."""
+        return self._within_limits(self.side(view))
 
 
 @dataclass(frozen=True)
@@ -141,10 +161,9 @@ class AdaptiveWindow(SquareWindow):
         """Rows that equation 7 asks for, in real numbers and without limits; shape (time,)."""
         return side_of_constant_ratio(view.ranges.depth_crlb(1.0), self.kappa, view.pixels)
 
-    def on(self, pair: EchoPair) -> VaryingWindow:
-        """The window for a pair."""
-        view = self.view(pair)
-        return view.square(self._within_limits(self.side(view)))
+    def rows(self, view: View) -> NDArray[np.int64]:
+        """Those of `side`, odd and within the limits; shape (time,)."""
+        return self._within_limits(self.side(view))
 
 
 @dataclass(frozen=True)
@@ -177,14 +196,13 @@ class WrapSafeWindow(SquareWindow):
         checks.within("kappa", self.kappa, 0.0, 1e6)
         checks.within("max_wrap_probability", self.max_wrap_probability, 1e-12, 1.0)
 
-    def on(self, pair: EchoPair) -> VaryingWindow:
-        """The window for a pair."""
-        view = self.view(pair)
+    def rows(self, view: View) -> NDArray[np.int64]:
+        """Its rows, odd and within the limits; shape (time,)."""
         sides = np.arange(self.smallest, self.largest + 1, 2, dtype=np.int64)
-        looks = np.array([view.square(side).looks(pair) for side in sides])
+        looks = np.array([view.square(side).looks(view.pair) for side in sides])
         extent: Real = sides.astype(float) * view.pixels.along_track
         first = smallest_safe(extent, looks, view.ranges, self.kappa, self.predict, self.max_wrap_probability)
-        return view.square(sides[np.minimum(first, sides.size - 1)])
+        return sides[np.minimum(first, sides.size - 1)]
 
     def apart(self) -> tuple["WrapSafeWindow", "WrapSafeWindow"]:
         """Its two conditions as a policy each: the window for the wrap, and that for the phase."""
