@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -147,37 +146,39 @@ class VaryingWindow:
 
         Times beyond those that have a size take the last one.
         """
-        total = np.empty_like(array)
-        for window, at in self._by_size(array.shape[-1]):
-            total[..., at] = np.broadcast_to(window.sum(array), array.shape)[..., at]
+        total, times = np.empty_like(array), array.shape[-1]
+        rows, samples = (np.pad(sizes, (0, times - sizes.size), mode="edge") for sizes in (self.rows, self.samples))
+        starts = np.flatnonzero((np.diff(rows) != 0) | (np.diff(samples) != 0)) + 1
+        for start, stop in zip([0, *starts], [*starts, times], strict=True):
+            window = FixedWindow(int(rows[start]), int(samples[start]))
+            # As much around a run of one size as its windows reach, or all that there is.
+            first, last = start - window.samples, stop + window.samples
+            whole = last - first >= times
+            part = array if whole else np.take(array, np.arange(first, last), axis=-1, mode="wrap")
+            at = slice(start, stop) if whole else slice(window.samples, -window.samples)
+            total[..., start:stop] = np.broadcast_to(window.sum(part), part.shape)[..., at]
         return total
 
     def inside(self, pair: EchoPair) -> NDArray[np.bool_]:
         """Where the window lies within the pair; shape (rows, time)."""
         inside = np.empty(pair.shape, dtype=np.bool_)
-        for window, at in self._by_size(pair.shape[1]):
+        for window, at in self._by_size():
             inside[:, at] = window.inside(pair)[:, at]
         return inside
 
     def looks(self, pair: EchoPair) -> Real:
         """Equivalent independent looks at each time, as those of a `FixedWindow`; shape (time,)."""
         looks = np.empty(pair.shape[1])
-        for window, at in self._by_size(pair.shape[1]):
+        for window, at in self._by_size():
             looks[at] = window.looks(pair)
         return looks
 
-    @cached_property
-    def _sizes(self) -> tuple[Sizes, Sizes]:
-        """Distinct sizes, (size, 2), and which of them each time has."""
-        distinct, which = np.unique(np.stack([self.rows, self.samples], axis=1), axis=0, return_inverse=True)
-        return distinct, which.reshape(-1)
-
-    def _by_size(self, times: int) -> Iterator[tuple[FixedWindow, NDArray[np.bool_]]]:
-        """A fixed window for each distinct size, and at which of so many times it stands."""
-        distinct, which = self._sizes
-        at = np.pad(which, (0, times - which.size), mode="edge")
+    def _by_size(self) -> Iterator[tuple[FixedWindow, NDArray[np.bool_]]]:
+        """A fixed window for each distinct size, and at which times it stands."""
+        sizes = np.stack([self.rows, self.samples], axis=1)
+        distinct, which = np.unique(sizes, axis=0, return_inverse=True)
         for number, (rows, samples) in enumerate(distinct):
-            yield FixedWindow(int(rows), int(samples)), at == number
+            yield FixedWindow(int(rows), int(samples)), which.reshape(-1) == number
 
 
 Window = FixedWindow | VaryingWindow
