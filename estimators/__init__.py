@@ -2,26 +2,45 @@
 
 from estimators import bounds, conformance
 from estimators.cross_correlation import CrossCorrelation
+from estimators.depth import DepthMap, depth_map
 from estimators.estimate import DelayEstimate, Estimator
 from estimators.interferogram import Interferogram
 from estimators.maximum_likelihood import MaximumLikelihood
 from estimators.multi_chromatic import MultiChromatic
 from estimators.phase_slope import FullBandPhaseSlope
+from estimators.pixels import Pixels
+from estimators.range_coherence import KnownCoherence, MeasuredCoherence, ModelledCoherence
 from estimators.split_spectrum import SplitSpectrum
 from estimators.two_window import TwoWindow
-from estimators.windows import FixedWindow
+from estimators.validity import Coverage, Thresholds, coverage, valid_range
+from estimators.window_policies import AdaptiveWindow, ConstantStdWindow, WrapSafeWindow
+from estimators.windows import FixedWindow, VaryingWindow
 
 __all__ = [
+    "AdaptiveWindow",
+    "ConstantStdWindow",
+    "Coverage",
     "CrossCorrelation",
     "DelayEstimate",
+    "DepthMap",
     "Estimator",
     "FixedWindow",
     "FullBandPhaseSlope",
     "Interferogram",
+    "KnownCoherence",
     "MaximumLikelihood",
+    "MeasuredCoherence",
+    "ModelledCoherence",
     "MultiChromatic",
+    "Pixels",
     "SplitSpectrum",
+    "Thresholds",
     "TwoWindow",
+    "VaryingWindow",
+    "WrapSafeWindow",
     "bounds",
     "conformance",
+    "coverage",
+    "depth_map",
+    "valid_range",
 ]

@@ -33,7 +33,7 @@ class DelayEstimate:
         estimate: on average over a patch it lies above the rate (1.5 times for 33 looks of coherence .8 and
         B / fc = .3), as the probability falls steeply with coherence.
     quality
-        0 (worthless) to 1: sample coherence times `I / (I + mean I)`, the brightness `I` of the window.
+        0 (worthless) to 1: sample coherence times `I / (I + mean I)`, the brightness `I` of a pixel of the window.
     valid
         Where the window lay inside the record, held any echo, and the search ended inside its range.
     """

@@ -11,12 +11,12 @@ from estimators.lag_product import power
 from estimators.peak import Peak
 from estimators.search import by_rows, describe
 from estimators.uncertainty import debiased_coherence
-from estimators.windows import FixedWindow
+from estimators.windows import FixedWindow, Window, WindowPolicy
 from sim import EchoPair
 from sim.band import Complex
 
 
-def zero_lag(primary: Complex, secondary: Complex, window: FixedWindow) -> Peak:
+def zero_lag(primary: Complex, secondary: Complex, window: Window) -> Peak:
     """Windowed product of the series at zero delay."""
     return Peak(
         delay=np.zeros(()),
@@ -36,10 +36,10 @@ class Interferogram:
     Parameters
     ----------
     window
-        What to average over; a single pixel by default.
+        What to average over, or the policy that says it for a pair; a single pixel by default.
     """
 
-    window: FixedWindow = field(default_factory=lambda: FixedWindow(1, 1))
+    window: WindowPolicy = field(default_factory=lambda: FixedWindow(1, 1))
 
     def estimate(self, pair: EchoPair) -> DelayEstimate:
         """Estimate the delay at every sample; ValueError where the window exceeds the pair.
@@ -47,9 +47,10 @@ class Interferogram:
         The predicted wrap-error probability takes the true delay to lie within half a wrap of zero: it is that of
         Gaussian noise carrying the phase over the edge.
         """
-        peak = by_rows(pair, self.window, 0, 64, lambda p, s: zero_lag(p, s, self.window).spread())
-        estimate = describe(pair, self.window, peak, refine=True, search=0.5 / pair.centre_frequency)
-        looks = self.window.looks(pair)
+        window = self.window.on(pair)
+        peak = by_rows(pair, window, 0, 64, lambda p, s: zero_lag(p, s, window).spread())
+        estimate = describe(pair, window, peak, refine=True, search=0.5 / pair.centre_frequency)
+        looks = window.looks(pair)
         std = bounds.phase_crlb(looks, debiased_coherence(estimate.coherence, looks))
         to_edge = np.pi - np.abs(estimate.phase)
         crossing = np.where(std > 0, ndtr(-to_edge / np.maximum(std, 1e-300)), 0.0)

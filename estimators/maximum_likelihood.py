@@ -7,7 +7,7 @@ import numpy as np
 from estimators.estimate import DelayEstimate
 from estimators.peak import passband_peak
 from estimators.search import describe, over_lags, search_range
-from estimators.windows import FixedWindow
+from estimators.windows import WindowPolicy
 from sim import EchoPair, checks
 
 
@@ -26,7 +26,7 @@ class MaximumLikelihood:
     Parameters
     ----------
     window
-        What to average over.
+        What to average over, or the policy that says it for a pair.
     search
         Largest delay to look for [s]; `1 / B` where None. A peak up to a wrap beyond it that is higher than all
         within is not valid.
@@ -34,7 +34,7 @@ class MaximumLikelihood:
         Lags in `1 / B` between which the correlation is interpolated, at least 4.
     """
 
-    window: FixedWindow
+    window: WindowPolicy
     search: float | None = None
     lags_per_resolution: int = 4
 
@@ -43,10 +43,11 @@ class MaximumLikelihood:
 
     def estimate(self, pair: EchoPair) -> DelayEstimate:
         """Estimate the delay at every sample; ValueError where window or search range exceed the pair."""
+        window = self.window.on(pair)
         search = search_range(pair, self.search, 1.0)
         peak = over_lags(
             pair,
-            self.window,
+            window,
             search,
             self.lags_per_resolution,
             2.0,
@@ -54,4 +55,4 @@ class MaximumLikelihood:
         )
         # The delay stands as found: at the passband peak the phase of the lag product need not be that of the carrier.
         delay = np.broadcast_to(peak.delay, pair.shape)
-        return replace(describe(pair, self.window, peak, refine=True, search=search), delay=delay)
+        return replace(describe(pair, window, peak, refine=True, search=search), delay=delay)

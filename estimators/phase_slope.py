@@ -8,7 +8,7 @@ from typing import Literal
 from estimators.estimate import DelayEstimate
 from estimators.peak import Index, first_from_zero, strongest
 from estimators.search import describe, search_peaks, search_range
-from estimators.windows import FixedWindow
+from estimators.windows import FixedWindow, WindowPolicy
 from sim import EchoPair, checks
 from sim.band import Real
 
@@ -27,7 +27,7 @@ class FullBandPhaseSlope:
     Parameters
     ----------
     window
-        What to average over; a single pixel as in the paper by default.
+        What to average over, or the policy that says it for a pair; a single pixel as in the paper by default.
     peak
         "first" or "strongest".
     refine
@@ -39,7 +39,7 @@ class FullBandPhaseSlope:
         on the right one for .762 of single pixels with 8 lags, for .773 with 32, and for .775 in the limit.
     """
 
-    window: FixedWindow = field(default_factory=lambda: FixedWindow(1, 1))
+    window: WindowPolicy = field(default_factory=lambda: FixedWindow(1, 1))
     peak: Literal["first", "strongest"] = "first"
     refine: bool = True
     search: float | None = None
@@ -52,6 +52,7 @@ class FullBandPhaseSlope:
 
     def estimate(self, pair: EchoPair) -> DelayEstimate:
         """Estimate the delay at every sample; ValueError where window or search range exceed the pair."""
+        window = self.window.on(pair)
         search = search_range(pair, self.search, 2.0)
-        peak = search_peaks(pair, self.window, search, self.lags_per_resolution, PEAKS[self.peak], self.refine)
-        return describe(pair, self.window, peak, refine=self.refine, search=search)
+        peak = search_peaks(pair, window, search, self.lags_per_resolution, PEAKS[self.peak], self.refine)
+        return describe(pair, window, peak, refine=self.refine, search=search)

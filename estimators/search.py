@@ -9,7 +9,8 @@ from estimators.estimate import DelayEstimate
 from estimators.lag_product import LagStack, lag_stack, power
 from estimators.peak import STENCIL, Index, Peak, moved_to, peak_at
 from estimators.uncertainty import WrapErrors, debiased_coherence, predicted_std, predicted_wrap_errors
-from estimators.windows import FixedWindow
+from estimators.varying_stack import varying_lag_stack
+from estimators.windows import FixedWindow, Window
 from sim import EchoPair, checks
 from sim.band import Complex, Real
 
@@ -35,7 +36,7 @@ def search_range(pair: EchoPair, search: float | None, resolutions: float) -> fl
 
 def search_peaks(
     pair: EchoPair,
-    window: FixedWindow,
+    window: Window,
     search: float,
     lags_per_resolution: int,
     pick: Callable[[Real], Index],
@@ -69,7 +70,7 @@ def search_peaks(
 
 def over_lags(
     pair: EchoPair,
-    window: FixedWindow,
+    window: Window,
     search: float,
     lags_per_resolution: int,
     wraps_beyond: float,
@@ -96,13 +97,16 @@ def over_lags(
     reach = max(int(np.ceil(search * lags_per_second)), 1) + margin
 
     def peaks(primary: Complex, secondary: Complex, *rows: Real) -> Peak:
-        return find(lag_stack(primary, secondary, window, factor, reach, pair.sample_rate), margin, *rows)
+        steps = factor, reach, pair.sample_rate
+        if isinstance(window, FixedWindow):
+            return find(lag_stack(primary, secondary, window, *steps), margin, *rows)
+        return find(varying_lag_stack(primary, secondary, window, *steps), margin, *rows)
 
     bytes_per_sample = 40 * (2 * reach + 1) + 48 * factor
     return by_rows(pair, window, int(np.ceil(2 * reach / factor)), bytes_per_sample, peaks, *beside)
 
 
-def read_at(pair: EchoPair, window: FixedWindow, delay: Real, lags_per_resolution: int) -> Peak:
+def read_at(pair: EchoPair, window: Window, delay: Real, lags_per_resolution: int) -> Peak:
     """Windowed lag product at a given delay of every pixel [s], within half the record."""
 
     def read(stack: LagStack, _: int, near: Real) -> Peak:
@@ -114,7 +118,7 @@ def read_at(pair: EchoPair, window: FixedWindow, delay: Real, lags_per_resolutio
 
 def by_rows(
     pair: EchoPair,
-    window: FixedWindow,
+    window: Window,
     lag_samples: int,
     bytes_per_sample: int,
     peaks: Callable[..., Peak],
@@ -127,14 +131,15 @@ def by_rows(
     """
     window.check(pair)
     rows, samples = pair.shape
+    most_rows, most_samples = window.extent
     scales = [_scale(series) for series in (pair.primary, pair.secondary)]
-    padding = 0 if pair.circular else lag_samples + window.samples
+    padding = 0 if pair.circular else lag_samples + most_samples
     # Whole windows of rows, so that moving sums group the same rows whatever the block.
-    block = max(1, BLOCK_BYTES // (bytes_per_sample * (samples + padding) * window.rows)) * window.rows
+    block = max(1, BLOCK_BYTES // (bytes_per_sample * (samples + padding) * most_rows)) * most_rows
     found = []
     for start in range(0, rows, block):
         stop = min(start + block, rows)
-        first, last = max(start - window.rows, 0), min(stop + window.rows, rows)
+        first, last = max(start - most_rows, 0), min(stop + most_rows, rows)
         primary, secondary = (
             np.pad(series[first:last].astype(np.complex128) * scale, ((0, 0), (0, padding)))
             for series, scale in zip((pair.primary, pair.secondary), scales, strict=True)
@@ -164,7 +169,7 @@ def refined_delay(peak: Peak, centre_frequency: float) -> Real:
 
 def describe(
     pair: EchoPair,
-    window: FixedWindow,
+    window: Window,
     peak: Peak,
     *,
     refine: bool,
@@ -196,8 +201,8 @@ def describe(
         if refine
         else bounds.group_delay_crlb(looks, debiased, pair.bandwidth)
     )
-    mean_energy = peak.energy.mean()
-    brightness = np.divide(peak.energy, peak.energy + mean_energy, out=np.zeros_like(magnitude), where=has_echo)
+    energy = peak.energy / window.pixels
+    brightness = np.divide(energy, energy + energy.mean(), out=np.zeros_like(magnitude), where=has_echo)
     wrong = predicted_wrap_errors(
         wrap_errors, debiased, looks, pair.bandwidth / pair.centre_frequency, search * pair.centre_frequency
     )

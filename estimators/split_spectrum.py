@@ -13,7 +13,7 @@ from estimators.peak import Peak
 from estimators.search import by_rows, describe
 from estimators.sub_bands import band_pass, band_share, carried_to, lag_slope
 from estimators.uncertainty import WrapErrors
-from estimators.windows import FixedWindow
+from estimators.windows import WindowPolicy
 from sim import EchoPair, checks
 from sim.band import Complex
 
@@ -33,14 +33,14 @@ class SplitSpectrum:
     Parameters
     ----------
     window
-        What to average over; a sub-band has only the share `b / B` of its looks.
+        What to average over, or the policy that says it for a pair; a sub-band has only the share `b / B` of its looks.
     sub_bandwidth
         `b` [Hz], at most `B / 2`; `B / 3` where None.
     refine
         Whether the residual phase refines the delay.
     """
 
-    window: FixedWindow
+    window: WindowPolicy
     sub_bandwidth: float | None = None
     refine: bool = True
 
@@ -50,6 +50,7 @@ class SplitSpectrum:
 
     def estimate(self, pair: EchoPair) -> DelayEstimate:
         """Estimate the delay at every sample; ValueError where window or sub-band exceed the pair."""
+        window = self.window.on(pair)
         width = pair.bandwidth / 3 if self.sub_bandwidth is None else self.sub_bandwidth
         if width > pair.bandwidth / 2:
             raise ValueError(
@@ -62,19 +63,17 @@ class SplitSpectrum:
         def peaks(primary: Complex, secondary: Complex) -> Peak:
             frequencies = scipy.fft.fftfreq(primary.shape[1], 1 / pair.sample_rate)
             shares = [band_share(frequencies, centre, width) for centre in (-apart / 2, apart / 2)]
-            low, high = (
-                self.window.sum(band_pass(primary, share).conj() * band_pass(secondary, share)) for share in shares
-            )
+            low, high = (window.sum(band_pass(primary, share).conj() * band_pass(secondary, share)) for share in shares)
             spacing = np.average(frequencies, weights=shares[1]) - np.average(frequencies, weights=shares[0])
             slope = -np.angle(high * low.conj()) / (2 * np.pi * spacing)
-            peak = zero_lag(primary, secondary, self.window)
-            turn = lag_slope(primary, secondary, frequencies, self.window)
+            peak = zero_lag(primary, secondary, window)
+            turn = lag_slope(primary, secondary, frequencies, window)
             return peak._replace(delay=slope, product=carried_to(slope, peak.product, turn)).spread()
 
-        peak = by_rows(pair, self.window, 0, BYTES_PER_SAMPLE, peaks)
+        peak = by_rows(pair, window, 0, BYTES_PER_SAMPLE, peaks)
         return describe(
             pair,
-            self.window,
+            window,
             peak,
             refine=self.refine,
             search=0.5 / apart,

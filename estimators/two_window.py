@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from estimators.estimate import DelayEstimate, Estimator
 from estimators.search import describe, read_at
 from estimators.uncertainty import debiased_coherence, predicted_phase_std
-from estimators.windows import FixedWindow
+from estimators.windows import FixedWindow, Window, WindowPolicy
 from sim import EchoPair, checks
 from sim.band import Real
 
@@ -40,7 +40,7 @@ class TwoWindow:
     """
 
     wrap: Estimator
-    phase: FixedWindow = field(default_factory=lambda: FixedWindow(1, 1))
+    phase: WindowPolicy = field(default_factory=lambda: FixedWindow(1, 1))
     lags_per_resolution: int = 8
 
     def __post_init__(self) -> None:
@@ -50,25 +50,26 @@ class TwoWindow:
 
     def estimate(self, pair: EchoPair) -> DelayEstimate:
         """Estimate the delay at every sample; ValueError where a window or search range exceeds the pair."""
-        wide = self.wrap.estimate(pair)
+        wide, phase = self.wrap.estimate(pair), self.phase.on(pair)
         within = _readable(wide.delay, pair)
         near = np.where(within, wide.delay, 0.0)
-        peak = read_at(pair, self.phase, near, self.lags_per_resolution)
-        narrow = describe(pair, self.phase, peak, refine=True, search=0.5 / pair.centre_frequency)
+        peak = read_at(pair, phase, near, self.lags_per_resolution)
+        narrow = describe(pair, phase, peak, refine=True, search=0.5 / pair.centre_frequency)
         return replace(
             narrow,
-            delay_std=self._delay_std(pair, wide, narrow),
+            delay_std=self._delay_std(pair, phase, wide, narrow),
             wrap_error_probability=wide.wrap_error_probability,
             quality=wide.quality * narrow.quality,
             valid=wide.valid & narrow.valid & within,
         )
 
-    def _delay_std(self, pair: EchoPair, wide: DelayEstimate, narrow: DelayEstimate) -> Real:
-        looks = self.phase.looks(pair)
+    def _delay_std(self, pair: EchoPair, phase: Window, wide: DelayEstimate, narrow: DelayEstimate) -> Real:
+        looks = phase.looks(pair)
         around = getattr(self.wrap, "window", None)
-        larger = around.looks(pair) if isinstance(around, FixedWindow) else 0.0
-        source, independent = (wide, larger) if larger > looks else (narrow, looks)
-        coherence = debiased_coherence(source.coherence, independent)
+        larger = around.on(pair).looks(pair) if isinstance(around, WindowPolicy) else 0.0
+        by_wide = np.asarray(larger) > looks
+        sample = np.where(by_wide, wide.coherence, narrow.coherence)
+        coherence = debiased_coherence(sample, np.where(by_wide, larger, looks))
         std: Real = predicted_phase_std(coherence, looks) / (2 * np.pi * pair.centre_frequency)
         return std
 

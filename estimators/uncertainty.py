@@ -15,9 +15,15 @@ NODES = 257
 """Coherences at which predictions are tabulated."""
 
 
-def debiased_coherence(sample_coherence: Real, looks: float) -> Real:
+Looks = float | Real
+"""Independent looks of a window: a number, or one for each time."""
+
+
+def debiased_coherence(sample_coherence: Real, looks: Looks) -> Real:
     """Coherence that a sample coherence stands for; a single look, which says nothing, stands for none."""
-    return np.zeros_like(sample_coherence) if looks <= 1 else bounds.debias_coherence(sample_coherence, looks)
+    several = np.asarray(looks) > 1
+    debiased: Real = np.where(several, bounds.debias_coherence(sample_coherence, np.where(several, looks, 2.0)), 0.0)
+    return debiased
 
 
 def predicted_std(bound: Real, search: float) -> Real:
@@ -26,24 +32,36 @@ def predicted_std(bound: Real, search: float) -> Real:
     return std
 
 
-def predicted_phase_std(coherence: Real, looks: float) -> Real:
+def predicted_phase_std(coherence: Real, looks: Looks) -> Real:
     """Standard deviation of a multilook phase [rad], `estimators.bounds.multilook_phase_std` over the coherence."""
-    std: Real = np.interp(coherence, *_phase_std_table(looks))
-    return std
+    return _interpolated(coherence, looks, _phase_std_table)
 
 
 def predicted_wrap_errors(
-    predict: WrapErrors, coherence: Real, looks: float, relative_bandwidth: float, search_wraps: float
+    predict: WrapErrors, coherence: Real, looks: Looks, relative_bandwidth: float, search_wraps: float
 ) -> Real:
     """Probability of a wrong wrap, at most that of a guess within `search_wraps` wraps on either side.
 
     Interpolates a prediction, `estimators.bounds.wrap_error_probability` or its like, over the coherence.
     """
-    nodes, probabilities = _wrap_error_table(predict, looks, relative_bandwidth)
+    predicted = _interpolated(coherence, looks, lambda n: _wrap_error_table(predict, n, relative_bandwidth))
     guess = max(1 - 1 / (2 * search_wraps), 0.0)
     # Where no prediction holds, at less than a look a sub-band, a guess is all that is left.
-    predicted: Real = np.fmin(np.interp(coherence, nodes, probabilities), guess)
-    return predicted
+    no_more: Real = np.fmin(predicted, guess)
+    return no_more
+
+
+def _interpolated(coherence: Real, looks: Looks, table: Callable[[float], tuple[Real, Real]]) -> Real:
+    """Read the table of each distinct number of looks, which stands for one time or for all."""
+    if np.ndim(looks) == 0:
+        read: Real = np.interp(coherence, *table(float(looks)))
+        return read
+    distinct, which = np.unique(looks, return_inverse=True)
+    read = np.empty(coherence.shape)
+    for number, n in enumerate(distinct):
+        at = which == number
+        read[..., at] = np.interp(coherence[..., at], *table(float(n)))
+    return read
 
 
 @lru_cache(maxsize=256)
