@@ -7,6 +7,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from estimators.moving_sum import product_sum
 from estimators.windows import FixedWindow
 from sim.band import Complex, Real
 
@@ -51,13 +52,16 @@ class Planes:
     values: NDArray[Any]
     margin: int
 
+    def plane(self, offset: int) -> tuple[NDArray[Any], int]:
+        """The plane, and where in it the series begins, at `offset / len(values)` samples after each sample."""
+        whole, part = divmod(offset, len(self.values))
+        # What is the same at every sample has no margin to move in.
+        return self.values[part], self.margin + whole if self.margin else 0
+
     def at(self, offset: int) -> NDArray[Any]:
         """The series at `offset / len(values)` samples after each sample; a view, shape (rows, samples)."""
-        whole, part = divmod(offset, len(self.values))
-        plane = self.values[part]
-        # What is the same at every sample has no margin to move in.
-        first = self.margin + whole if self.margin else 0
-        series: NDArray[Any] = plane[:, first : first + plane.shape[1] - 2 * self.margin]
+        plane, begin = self.plane(offset)
+        series: NDArray[Any] = plane[:, begin : begin + plane.shape[1] - 2 * self.margin]
         return series
 
 
@@ -97,27 +101,37 @@ def upsampled(series: Complex, factor: int) -> Complex:
     return np.ascontiguousarray(np.moveaxis(fine.reshape(rows, samples, factor), -1, 0))
 
 
-def lag_product(primary: Planes, secondary: Planes, lag: int) -> Complex:
-    """Lag product at a whole lag, from planes of the conjugate primary and of the secondary.
+def lag_product(primary: Planes, secondary: Planes, lag: int, window: FixedWindow) -> Complex:
+    """Windowed lag product at a whole lag.
 
-    With `U` instants a sample this is `A(t, tau)` at `tau = 2 lag / (U sample_rate)`: exactly the phase-corrected
-    interferogram that paper A sums from its frequential cross-correlation matrix (equations 15 to 18), at O(1) a
-    pixel and lag.
+    With `U` instants a sample this is the sum over the window of `A(t, tau)` at `tau = 2 lag / (U sample_rate)`:
+    exactly the phase-corrected interferogram that paper A sums from its frequential cross-correlation matrix
+    (equations 15 to 18), at O(1) a pixel and lag.
 
     Parameters
     ----------
     primary, secondary
-        Planes of `p*` and of `s`.
+        Planes of both series.
     lag
         A whole number, at most `U` times the margin either way.
+    window
+        Over which to sum.
 
     Returns
     -------
     array
-        Shape (rows, samples).
+        Shape (rows, samples), or (rows, 1) as `estimators.moving_sum.window_sum`.
     """
-    product: Complex = primary.at(-lag) * secondary.at(lag)
-    return product
+    (before, begin_before), (after, begin_after) = primary.plane(-lag), secondary.plane(lag)
+    return product_sum(
+        before,
+        after,
+        window.rows,
+        window.samples,
+        circular=True,
+        begins=(begin_before, begin_after),
+        length=before.shape[1] - 2 * primary.margin,
+    )
 
 
 def lag_stack(
@@ -139,13 +153,13 @@ def lag_stack(
         Samples per second [Hz].
     """
     margin = reach // factor + 1
-    series = upsampled(primary.conj(), factor), upsampled(secondary, factor)
+    series = upsampled(primary, factor), upsampled(secondary, factor)
     energy_before, energy_after = (extended(np.sqrt(window.sum(power(planes))), margin) for planes in series)
     before, after = (extended(planes, margin) for planes in series)
     shape = (2 * reach + 1, *energy_before.at(0).shape)
     products, energies = np.empty(shape, dtype=np.complex128), np.empty(shape)
     for products_at, energies_at, lag in zip(products, energies, range(-reach, reach + 1), strict=True):
-        products_at[...] = window.sum(lag_product(before, after, lag))
+        products_at[...] = lag_product(before, after, lag, window)
         np.multiply(energy_before.at(-lag), energy_after.at(lag), out=energies_at)
     return LagStack(products, energies, 2 / (factor * sample_rate))
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.moving_sum import Number, circular_sum, clipped_sum
+from estimators.moving_sum import window_sum
 from sim import EchoPair, checks
 from sim.band import Band
 
@@ -42,9 +42,9 @@ class FixedWindow:
             if size > available:
                 raise ValueError(f"the window has {size} {name}; the pair has {available}, and it must not have more")
 
-    def sum(self, array: NDArray[Number]) -> NDArray[Number]:
+    def sum(self, array: NDArray[Any]) -> NDArray[Any]:
         """Sum of (..., rows, time) over the window around each pixel: clipped in rows, circular in time."""
-        return circular_sum(clipped_sum(array, self.rows, axis=-2), self.samples)
+        return window_sum(array, self.rows, self.samples, circular=True)
 
     def inside(self, pair: EchoPair) -> NDArray[np.bool_]:
         """Where the window lies within the pair; shape (rows, time)."""

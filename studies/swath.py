@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from estimators import DelayEstimate, FixedWindow
-from estimators.moving_sum import circular_sum
+from estimators.moving_sum import window_sum
 from sim import Box, EchoPair, Feature, Scene, Sonar, Wedge, plan, simulate
 from sim.band import Real
 from studies.quantity import Decibels, Metres
@@ -115,5 +115,6 @@ def clear(pair: EchoPair, window: FixedWindow) -> NDArray[np.bool_]:
     truth = pair.truth
     assert truth is not None
     reach = window.samples + 2 * int(np.ceil(pair.sample_rate / pair.bandwidth))
-    seen: NDArray[np.bool_] = circular_sum(np.isnan(truth.delay).astype(float), reach) == 0
+    unseen = np.isnan(truth.delay).astype(float)[None]
+    seen: NDArray[np.bool_] = window_sum(unseen, 1, reach, circular=True)[0] == 0
     return seen
