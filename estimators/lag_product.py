@@ -101,7 +101,9 @@ def upsampled(series: Complex, factor: int) -> Complex:
     return np.ascontiguousarray(np.moveaxis(fine.reshape(rows, samples, factor), -1, 0))
 
 
-def lag_product(primary: Planes, secondary: Planes, lag: int, window: FixedWindow) -> Complex:
+def lag_product(
+    primary: Planes, secondary: Planes, lag: int, window: FixedWindow, out: Complex | None = None
+) -> Complex:
     """Windowed lag product at a whole lag.
 
     With `U` instants a sample this is the sum over the window of `A(t, tau)` at `tau = 2 lag / (U sample_rate)`:
@@ -116,6 +118,8 @@ def lag_product(primary: Planes, secondary: Planes, lag: int, window: FixedWindo
         A whole number, at most `U` times the margin either way.
     window
         Over which to sum.
+    out
+        Takes the result, where given.
 
     Returns
     -------
@@ -131,6 +135,7 @@ def lag_product(primary: Planes, secondary: Planes, lag: int, window: FixedWindo
         circular=True,
         begins=(begin_before, begin_after),
         length=before.shape[1] - 2 * primary.margin,
+        out=out,
     )
 
 
@@ -159,7 +164,7 @@ def lag_stack(
     shape = (2 * reach + 1, *energy_before.at(0).shape)
     products, energies = np.empty(shape, dtype=np.complex128), np.empty(shape)
     for products_at, energies_at, lag in zip(products, energies, range(-reach, reach + 1), strict=True):
-        products_at[...] = lag_product(before, after, lag, window)
+        lag_product(before, after, lag, window, products_at)
         np.multiply(energy_before.at(-lag), energy_after.at(lag), out=energies_at)
     return LagStack(products, energies, 2 / (factor * sample_rate))
 

@@ -52,6 +52,7 @@ def product_sum(
     circular: bool,
     begins: tuple[int, int] = (0, 0),
     length: int | None = None,
+    out: Numbers | None = None,
 ) -> Numbers:
     """Sum of `conj(first) second` over the window around each pixel, as `window_sum`; no product is kept.
 
@@ -63,10 +64,12 @@ def product_sum(
         As in `window_sum`.
     begins, length
         Where in their columns the series begin, and how many samples they have; all by default.
+    out
+        Takes the sums, where given.
     """
     number = first.shape[1] if length is None else length
     series = np.ascontiguousarray(first), np.ascontiguousarray(second)
-    return _summed(*series, begins, number, rows, samples, circular)
+    return _summed(*series, begins, number, rows, samples, circular, out)
 
 
 def _summed(
@@ -77,27 +80,28 @@ def _summed(
     rows: Size,
     samples: Size,
     circular: bool,
+    out: Numbers | None = None,
 ) -> Numbers:
     height, width = (_size(name, size, number) for name, size in (("rows", rows), ("samples", samples)))
     longest = int(np.max(width))
     if circular and longest > number:
         raise ValueError(f"samples is {longest}; it must not exceed the period, {number}")
     kind = np.complex128 if np.iscomplexobj(first) else np.float64
-    whole = circular and not isinstance(width, np.ndarray) and width == number
-    in_time = np.empty((len(first), 1 if whole else number), dtype=kind)
+    all_times = 1 if circular and not isinstance(width, np.ndarray) and width == number else number
+    shape = len(first), number if isinstance(height, np.ndarray) else all_times
+    if out is None:
+        out = np.empty(shape, dtype=kind)
+    one_row = not isinstance(height, np.ndarray) and height == 1
+    in_time = out if one_row else np.empty((len(first), all_times), dtype=kind)
     if isinstance(width, np.ndarray):
         varying_sum_in_time(first, second, begins, number, width, circular, in_time)
     else:
         sum_in_time(first, second, begins, number, width, circular, in_time)
     if isinstance(height, np.ndarray):
-        out = np.empty((len(first), number), dtype=kind)
-        varying_sum_over_rows(np.ascontiguousarray(np.broadcast_to(in_time, out.shape)), height, out)
-        return out
-    if height == 1:
-        return in_time
-    # Of a complex number both parts are summed alike.
-    out = np.empty_like(in_time)
-    sum_over_rows(in_time.view(np.float64), height, out.view(np.float64))
+        varying_sum_over_rows(np.ascontiguousarray(np.broadcast_to(in_time, shape)), height, out)
+    elif not one_row:
+        # Of a complex number both parts are summed alike.
+        sum_over_rows(in_time.view(np.float64), height, out.view(np.float64))
     return out
 
 

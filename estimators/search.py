@@ -3,11 +3,13 @@
 from collections.abc import Callable
 
 import numpy as np
+import scipy.fft
 
 from estimators import bounds
 from estimators.estimate import DelayEstimate
 from estimators.lag_product import LagStack, lag_stack, power
-from estimators.peak import STENCIL, Index, Peak, moved_to, peak_at
+from estimators.peak import Index, Peak, moved_to, peak_at
+from estimators.peak_kernels import STENCIL
 from estimators.uncertainty import WrapErrors, debiased_coherence, predicted_std, predicted_wrap_errors
 from estimators.windows import FixedWindow
 from sim import EchoPair, checks
@@ -128,7 +130,8 @@ def by_rows(
     window.check(pair)
     rows, samples = pair.shape
     scales = [_scale(series) for series in (pair.primary, pair.secondary)]
-    padding = 0 if pair.circular else lag_samples + window.samples
+    # A few more zeros make a length that is fast to transform.
+    padding = 0 if pair.circular else scipy.fft.next_fast_len(samples + lag_samples + window.samples) - samples
     # Whole windows of rows, so that moving sums group the same rows whatever the block.
     block = max(1, BLOCK_BYTES // (bytes_per_sample * (samples + padding) * window.rows)) * window.rows
     found = []
