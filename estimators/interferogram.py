@@ -7,9 +7,10 @@ from scipy.special import ndtr
 
 from estimators import bounds
 from estimators.estimate import DelayEstimate
+from estimators.interference import interferogram_with_energy
 from estimators.lag_product import power
 from estimators.peak import Peak
-from estimators.search import by_rows, describe
+from estimators.search import describe
 from estimators.uncertainty import debiased_coherence
 from estimators.windows import FixedWindow
 from sim import EchoPair
@@ -47,7 +48,11 @@ class Interferogram:
         The predicted wrap-error probability takes the true delay to lie within half a wrap of zero: it is that of
         Gaussian noise carrying the phase over the edge.
         """
-        peak = by_rows(pair, self.window, 0, 64, lambda p, s: zero_lag(p, s, self.window).spread())
+        self.window.check(pair)
+        product, energy = interferogram_with_energy(
+            pair.primary, pair.secondary, self.window.rows, self.window.samples, circular=pair.circular
+        )
+        peak = Peak(np.zeros(()), product, energy, np.ones((), dtype=np.bool_))
         estimate = describe(pair, self.window, peak, refine=True, search=0.5 / pair.centre_frequency)
         looks = self.window.looks(pair)
         std = bounds.phase_crlb(looks, debiased_coherence(estimate.coherence, looks))

@@ -172,3 +172,13 @@ def lag_stack(
 def power(series: Complex) -> Real:
     """Squared magnitude."""
     return series.real**2 + series.imag**2
+
+
+def scale_of(series: Complex) -> float:
+    """Power of two that brings the largest sample towards 1; 1 for single precision, whose squares double can hold."""
+    if series.dtype == np.complex64:
+        return 1.0
+    numbers = np.ascontiguousarray(series).view(np.float64)
+    largest = float(max(numbers.max(), -numbers.min()))
+    # Of the smallest numbers no power of two makes 1: they are lifted as far as one can.
+    return float(2.0 ** min(-int(np.frexp(largest)[1]), 1000)) if largest > 0 else 1.0

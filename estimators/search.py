@@ -7,7 +7,7 @@ import scipy.fft
 
 from estimators import bounds
 from estimators.estimate import DelayEstimate
-from estimators.lag_product import LagStack, lag_stack, power
+from estimators.lag_product import LagStack, lag_stack, power, scale_of
 from estimators.peak import Index, Peak, moved_to, peak_at
 from estimators.peak_kernels import STENCIL
 from estimators.uncertainty import WrapErrors, debiased_coherence, predicted_std, predicted_wrap_errors
@@ -129,7 +129,7 @@ def by_rows(
     """
     window.check(pair)
     rows, samples = pair.shape
-    scales = [_scale(series) for series in (pair.primary, pair.secondary)]
+    scales = [scale_of(series) for series in (pair.primary, pair.secondary)]
     # A few more zeros make a length that is fast to transform.
     padding = 0 if pair.circular else scipy.fft.next_fast_len(samples + lag_samples + window.samples) - samples
     # Whole windows of rows, so that moving sums group the same rows whatever the block.
@@ -146,12 +146,6 @@ def by_rows(
         inner = slice(start - first, stop - first)
         found.append([array[inner, :samples] for array in peaks(primary, secondary, *others)])
     return Peak(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
-
-
-def _scale(series: Complex) -> float:
-    largest = float(max(np.abs(series.real).max(), np.abs(series.imag).max()))
-    # Of the smallest numbers no power of two makes 1: they are lifted as far as one can.
-    return float(2.0 ** min(-int(np.frexp(largest)[1]), 1000)) if largest > 0 else 1.0
 
 
 def refined_delay(peak: Peak, centre_frequency: float) -> Real:
