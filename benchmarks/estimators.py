@@ -20,9 +20,10 @@ from skimage.registration import phase_cross_correlation
 sys.path.remove(str(Path(__file__).parent))
 from estimators import CrossCorrelation, FixedWindow, FullBandPhaseSlope
 from estimators.interference import interferogram
-from estimators.lag_product import lag_stack
+from estimators.lag_product import LagStack, lag_series, power
 from estimators.moving_sum import product_sum
-from estimators.peak import strongest
+from estimators.peak import Peak, strongest
+from estimators.search import over_times
 from sim import EchoPair
 from studies.parallel import one_thread
 
@@ -118,8 +119,13 @@ def batched_fft(primary: Numbers, secondary: Numbers) -> Numbers:
 
 def search(primary: Numbers, secondary: Numbers) -> Numbers:
     """The same by lag products and moving sums, the lag split evenly between both series."""
-    stack = lag_stack(primary[None], secondary[None], FixedWindow(1, WINDOW), 2, LAGS, 1.0)
-    return strongest(stack.products.real**2 + stack.products.imag**2) - LAGS
+    series = lag_series(primary[None], secondary[None], FixedWindow(1, WINDOW), 2, LAGS, 1.0)
+
+    def find(stack: LagStack) -> Peak:
+        lag = strongest(power(stack.products))
+        return Peak(lag - LAGS, *(np.broadcast_to(0, lag.shape) for _ in range(3)))
+
+    return over_times(series, find).delay[0]
 
 
 def searches(rng: np.random.Generator) -> None:

@@ -1,6 +1,7 @@
 """Functions compiled by numba when first called; kept on disk where that can be written to."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TypeVar, cast
 
 import numba
@@ -13,4 +14,8 @@ def compiled(function: Function) -> Function:
 
     Rounding is that of NumPy: nothing is reordered, and a division by zero gives an infinity, not an error.
     """
-    return cast(Function, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+    dispatcher = numba.njit(nogil=True, error_model="numpy")(function)
+    # Where no folder can be written to, it is compiled anew in every process.
+    with suppress(RuntimeError):
+        dispatcher.enable_caching()
+    return cast(Function, dispatcher)

@@ -7,7 +7,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from estimators.moving_sum import product_sum
+from estimators.moving_sum import product_sum_within
 from estimators.windows import FixedWindow
 from sim.band import Complex, Real
 
@@ -52,24 +52,71 @@ class Planes:
     values: NDArray[Any]
     margin: int
 
-    def plane(self, offset: int) -> tuple[NDArray[Any], int]:
-        """The plane, and where in it the series begins, at `offset / len(values)` samples after each sample."""
-        whole, part = divmod(offset, len(self.values))
-        # What is the same at every sample has no margin to move in.
-        return self.values[part], self.margin + whole if self.margin else 0
-
     def at(self, offset: int) -> NDArray[Any]:
         """The series at `offset / len(values)` samples after each sample; a view, shape (rows, samples)."""
         plane, begin = self.plane(offset)
         series: NDArray[Any] = plane[:, begin : begin + plane.shape[1] - 2 * self.margin]
         return series
 
+    def plane(self, offset: int) -> tuple[NDArray[Any], int]:
+        """The plane, with its margins, in which that series is, and the column where it begins."""
+        whole, part = divmod(offset, len(self.values))
+        # What is the same at every sample has no margin to move in.
+        return self.values[part], self.margin + whole if self.margin else 0
+
+
+@dataclass(frozen=True, eq=False)
+class LagSeries:
+    """A pair at several instants a sample, from which windowed lag products are formed.
+
+    Attributes
+    ----------
+    primary, secondary
+        Planes of the series, with margins for the window.
+    energy_before, energy_after
+        Planes of the root of their windowed energy.
+    window
+        Over which to sum.
+    reach
+        Lags on either side of zero.
+    step
+        Delay from lag to lag [s].
+    """
+
+    primary: Planes
+    secondary: Planes
+    energy_before: Planes
+    energy_after: Planes
+    window: FixedWindow
+    reach: int
+    step: float
+
+    @property
+    def times(self) -> int:
+        """Samples; one where the window holds the whole period, as all sums are then one."""
+        return int(self.energy_before.at(0).shape[1])
+
+    def stack(self, start: int = 0, stop: int | None = None) -> LagStack:
+        """Windowed lag products at all lags, of the samples from `start` to `stop`, a multiple of the window's."""
+        part = slice(start, self.times if stop is None else min(stop, self.times))
+        shape = 2 * self.reach + 1, self.primary.values.shape[1], part.stop - start
+        products, energies = np.empty(shape, dtype=np.complex128), np.empty(shape)
+        for products_at, energies_at, lag in zip(products, energies, range(-self.reach, self.reach + 1), strict=True):
+            (plane, begin), (other, begin_other) = self.primary.plane(-lag), self.secondary.plane(lag)
+            begins = begin + start, begin_other + start
+            product_sum_within(plane, other, begins, self.window.rows, self.window.samples, products_at)
+            before, after = self.energy_before.at(-lag), self.energy_after.at(lag)
+            np.multiply(before[:, part], after[:, part], out=energies_at)
+        return LagStack(products, energies, self.step)
+
 
 def extended(values: NDArray[Any], margin: int) -> Planes:
     """Planes with their periodic continuation; what is the same at every sample needs none."""
-    if values.shape[-1] == 1:
-        return Planes(values, 0)
-    return Planes(np.pad(values, ((0, 0), (0, 0), (margin, margin)), mode="wrap"), margin)
+    return Planes(values, 0) if values.shape[-1] == 1 else Planes(_wrapped(values, margin), margin)
+
+
+def _wrapped(values: NDArray[Any], margin: int) -> NDArray[Any]:
+    return np.pad(values, ((0, 0), (0, 0), (margin, margin)), mode="wrap")
 
 
 def upsampled(series: Complex, factor: int) -> Complex:
@@ -101,48 +148,33 @@ def upsampled(series: Complex, factor: int) -> Complex:
     return np.ascontiguousarray(np.moveaxis(fine.reshape(rows, samples, factor), -1, 0))
 
 
-def lag_product(
-    primary: Planes, secondary: Planes, lag: int, window: FixedWindow, out: Complex | None = None
-) -> Complex:
-    """Windowed lag product at a whole lag.
+def lag_product(primary: Planes, secondary: Planes, lag: int) -> Complex:
+    """Lag product at a whole lag, from planes of the conjugate primary and of the secondary.
 
-    With `U` instants a sample this is the sum over the window of `A(t, tau)` at `tau = 2 lag / (U sample_rate)`:
-    exactly the phase-corrected interferogram that paper A sums from its frequential cross-correlation matrix
-    (equations 15 to 18), at O(1) a pixel and lag.
+    With `U` instants a sample this is `A(t, tau)` at `tau = 2 lag / (U sample_rate)`: exactly the phase-corrected
+    interferogram that paper A sums from its frequential cross-correlation matrix (equations 15 to 18), at O(1) a
+    pixel and lag.
 
     Parameters
     ----------
     primary, secondary
-        Planes of both series.
+        Planes of `p*` and of `s`.
     lag
         A whole number, at most `U` times the margin either way.
-    window
-        Over which to sum.
-    out
-        Takes the result, where given.
 
     Returns
     -------
     array
-        Shape (rows, samples), or (rows, 1) as `estimators.moving_sum.window_sum`.
+        Shape (rows, samples).
     """
-    (before, begin_before), (after, begin_after) = primary.plane(-lag), secondary.plane(lag)
-    return product_sum(
-        before,
-        after,
-        window.rows,
-        window.samples,
-        circular=True,
-        begins=(begin_before, begin_after),
-        length=before.shape[1] - 2 * primary.margin,
-        out=out,
-    )
+    product: Complex = primary.at(-lag) * secondary.at(lag)
+    return product
 
 
-def lag_stack(
+def lag_series(
     primary: Complex, secondary: Complex, window: FixedWindow, factor: int, reach: int, sample_rate: float
-) -> LagStack:
-    """Windowed lag products at all lags up to `reach` on either side.
+) -> LagSeries:
+    """A pair made ready for windowed lag products at all lags up to `reach` on either side.
 
     Parameters
     ----------
@@ -160,13 +192,9 @@ def lag_stack(
     margin = reach // factor + 1
     series = upsampled(primary, factor), upsampled(secondary, factor)
     energy_before, energy_after = (extended(np.sqrt(window.sum(power(planes))), margin) for planes in series)
-    before, after = (extended(planes, margin) for planes in series)
-    shape = (2 * reach + 1, *energy_before.at(0).shape)
-    products, energies = np.empty(shape, dtype=np.complex128), np.empty(shape)
-    for products_at, energies_at, lag in zip(products, energies, range(-reach, reach + 1), strict=True):
-        lag_product(before, after, lag, window, products_at)
-        np.multiply(energy_before.at(-lag), energy_after.at(lag), out=energies_at)
-    return LagStack(products, energies, 2 / (factor * sample_rate))
+    wide = margin + window.samples
+    before, after = (Planes(_wrapped(planes, wide), wide) for planes in series)
+    return LagSeries(before, after, energy_before, energy_after, window, reach, 2 / (factor * sample_rate))
 
 
 def power(series: Complex) -> Real:

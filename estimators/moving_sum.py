@@ -5,7 +5,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.window_kernels import sum_in_time, sum_over_rows, varying_sum_in_time, varying_sum_over_rows
+from estimators.window_kernels import (
+    MORE,
+    NOTHING,
+    PERIOD,
+    sum_in_time,
+    sum_over_rows,
+    varying_sum_in_time,
+    varying_sum_over_rows,
+)
 
 Numbers = NDArray[Any]
 Size = int | NDArray[np.intp]
@@ -39,69 +47,68 @@ def window_sum(array: Numbers, rows: Size, samples: Size, *, circular: bool) -> 
         For a size out of range, and for sizes of another shape than (time,).
     """
     planes = np.ascontiguousarray(array).reshape(-1, *array.shape[-2:])
-    summed = [_summed(plane, None, (0, 0), plane.shape[1], rows, samples, circular) for plane in planes]
+    summed = [_summed(plane, None, rows, samples, circular) for plane in planes]
     return np.stack(summed).reshape(*array.shape[:-1], -1)
 
 
-def product_sum(
-    first: Numbers,
-    second: Numbers,
-    rows: Size,
-    samples: Size,
-    *,
-    circular: bool,
-    begins: tuple[int, int] = (0, 0),
-    length: int | None = None,
-    out: Numbers | None = None,
-) -> Numbers:
+def product_sum(first: Numbers, second: Numbers, rows: Size, samples: Size, *, circular: bool) -> Numbers:
     """Sum of `conj(first) second` over the window around each pixel, as `window_sum`; no product is kept.
 
     Parameters
     ----------
     first, second
-        Complex, shape (rows, columns).
+        Complex, shape (rows, time).
     rows, samples, circular
         As in `window_sum`.
-    begins, length
-        Where in their columns the series begin, and how many samples they have; all by default.
-    out
-        Takes the sums, where given.
     """
-    number = first.shape[1] if length is None else length
-    series = np.ascontiguousarray(first), np.ascontiguousarray(second)
-    return _summed(*series, begins, number, rows, samples, circular, out)
+    return _summed(np.ascontiguousarray(first), np.ascontiguousarray(second), rows, samples, circular)
 
 
-def _summed(
-    first: Numbers,
-    second: Numbers | None,
-    begins: tuple[int, int],
-    number: int,
-    rows: Size,
-    samples: Size,
-    circular: bool,
-    out: Numbers | None = None,
-) -> Numbers:
+def product_sum_within(
+    first: Numbers, second: Numbers, begins: tuple[int, int], rows: int, samples: int, out: Numbers
+) -> None:
+    """Sum of `conj(first) second` as `product_sum`, where the arrays hold more columns than are asked for.
+
+    Parameters
+    ----------
+    first, second
+        Complex, shape (rows, columns), with `samples` columns more on either side of those that are asked for.
+    begins
+        Columns of both from which on the sums are asked for.
+    rows, samples
+        Size of the window.
+    out
+        Takes the sums, shape (rows, time).
+    """
+    in_time = out if rows == 1 else np.empty_like(out)
+    sum_in_time(first, second, begins, out.shape[1], samples, MORE, in_time)
+    if rows > 1:
+        _over_rows(in_time, rows, out)
+
+
+def _summed(first: Numbers, second: Numbers | None, rows: Size, samples: Size, circular: bool) -> Numbers:
+    number = first.shape[1]
     height, width = (_size(name, size, number) for name, size in (("rows", rows), ("samples", samples)))
     longest = int(np.max(width))
     if circular and longest > number:
         raise ValueError(f"samples is {longest}; it must not exceed the period, {number}")
-    kind = np.complex128 if np.iscomplexobj(first) else np.float64
-    all_times = 1 if circular and not isinstance(width, np.ndarray) and width == number else number
-    shape = len(first), number if isinstance(height, np.ndarray) else all_times
-    if out is None:
-        out = np.empty(shape, dtype=kind)
-    one_row = not isinstance(height, np.ndarray) and height == 1
-    in_time = out if one_row else np.empty((len(first), all_times), dtype=kind)
+    kind, beyond = np.complex128 if np.iscomplexobj(first) else np.float64, PERIOD if circular else NOTHING
     if isinstance(width, np.ndarray):
-        varying_sum_in_time(first, second, begins, number, width, circular, in_time)
+        in_time = np.empty(first.shape, dtype=kind)
+        varying_sum_in_time(first, second, (0, 0), number, width, beyond, in_time)
     else:
-        sum_in_time(first, second, begins, number, width, circular, in_time)
+        in_time = np.empty((len(first), 1 if circular and width == number else number), dtype=kind)
+        sum_in_time(first, second, (0, 0), number, width, beyond, in_time)
     if isinstance(height, np.ndarray):
-        varying_sum_over_rows(np.ascontiguousarray(np.broadcast_to(in_time, shape)), height, out)
-    elif not one_row:
-        # Of a complex number both parts are summed alike.
-        sum_over_rows(in_time.view(np.float64), height, out.view(np.float64))
+        out = np.empty(first.shape, dtype=kind)
+        varying_sum_over_rows(np.ascontiguousarray(np.broadcast_to(in_time, first.shape)), height, out)
+        return out
+    return in_time if height == 1 else _over_rows(in_time, height, np.empty_like(in_time))
+
+
+def _over_rows(in_time: Numbers, rows: int, out: Numbers) -> Numbers:
+    # Of complex numbers both parts are summed alike.
+    sum_over_rows(in_time.view(np.float64), rows, out.view(np.float64))
     return out
 
 

@@ -7,7 +7,7 @@ import scipy.fft
 
 from estimators import bounds
 from estimators.estimate import DelayEstimate
-from estimators.lag_product import LagStack, lag_stack, power, scale_of
+from estimators.lag_product import LagSeries, LagStack, lag_series, power, scale_of
 from estimators.peak import Index, Peak, moved_to, peak_at
 from estimators.peak_kernels import STENCIL
 from estimators.uncertainty import WrapErrors, debiased_coherence, predicted_std, predicted_wrap_errors
@@ -17,6 +17,9 @@ from sim.band import Complex, Real
 
 BLOCK_BYTES = 2**27
 """Size that the lag products of one block of rows may take."""
+
+CACHE_BYTES = 2**22
+"""Size that the lag products at the times searched together may take."""
 
 
 def search_range(pair: EchoPair, search: float | None, resolutions: float) -> float:
@@ -98,10 +101,23 @@ def over_lags(
     reach = max(int(np.ceil(search * lags_per_second)), 1) + margin
 
     def peaks(primary: Complex, secondary: Complex, *rows: Real) -> Peak:
-        return find(lag_stack(primary, secondary, window, factor, reach, pair.sample_rate), margin, *rows)
+        series = lag_series(primary, secondary, window, factor, reach, pair.sample_rate)
+        return over_times(series, lambda stack, *part: find(stack, margin, *part), *rows)
 
     bytes_per_sample = 40 * (2 * reach + 1) + 48 * factor
     return by_rows(pair, window, int(np.ceil(2 * reach / factor)), bytes_per_sample, peaks, *beside)
+
+
+def over_times(series: LagSeries, find: Callable[..., Peak], *beside: Real) -> Peak:
+    """Apply a method to stacks of so many times that they stay in the cache, with what lies beside at these times."""
+    if series.times == 1:
+        return find(series.stack(), *beside)
+    samples = series.window.samples
+    # Whole windows, so that moving sums group the same samples in any stack.
+    times = max(1, CACHE_BYTES // (24 * (2 * series.reach + 1) * series.primary.values.shape[1] * samples)) * samples
+    starts = range(0, series.times, times)
+    found = [find(series.stack(at, at + times), *(array[:, at : at + times] for array in beside)) for at in starts]
+    return Peak(*(np.concatenate(parts, axis=1) for parts in zip(*found, strict=True)))
 
 
 def read_at(pair: EchoPair, window: FixedWindow, delay: Real, lags_per_resolution: int) -> Peak:

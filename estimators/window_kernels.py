@@ -22,13 +22,16 @@ COLUMNS = 64
 WIDTH = 512
 """Numbers of a row that are summed over rows at a time, likewise."""
 
+NOTHING, PERIOD, MORE = 0, 1, 2
+"""What lies beyond the samples of a row: nothing, the same again, or more columns of the arrays."""
+
 Numbers = NDArray[Any]
 Sizes = NDArray[np.intp]
 
 
 @compiled
 def sum_in_time(
-    first: Numbers, second: Numbers | None, begins: tuple[int, int], samples: int, length: int, circular: bool, out: Any
+    first: Numbers, second: Numbers | None, begins: tuple[int, int], samples: int, length: int, beyond: int, out: Any
 ) -> None:
     """Sums over `length` samples of `first`, or of `conj(first) second`.
 
@@ -36,7 +39,7 @@ def sum_in_time(
     """
     row, heads = np.zeros(samples + length, out.dtype), np.empty(length, out.dtype)
     for r in range(first.shape[0]):
-        _fill(row, first, second, begins, samples, r, length, circular)
+        _fill(row, first, second, begins, samples, r, length, beyond)
         _add_tails_and_heads(row, length, heads, out[r])
 
 
@@ -47,7 +50,7 @@ def varying_sum_in_time(
     begins: tuple[int, int],
     samples: int,
     sizes: Sizes,
-    circular: bool,
+    beyond: int,
     out: Any,
 ) -> None:
     """Sums as `sum_in_time`, over a number of samples of its own for every time."""
@@ -56,7 +59,7 @@ def varying_sum_in_time(
     places = row.size + row.size // length + 2
     high, low = np.empty(places, out.dtype), np.empty(places, out.dtype)
     for r in range(first.shape[0]):
-        _fill(row, first, second, begins, samples, r, length, circular)
+        _fill(row, first, second, begins, samples, r, length, beyond)
         _run_sums(row, length, high, low)
         for t in range(samples):
             out[r, t] = _window(high, low, t, sizes[t], length)
@@ -116,19 +119,21 @@ def _fill(
     samples: int,
     r: int,
     length: int,
-    circular: bool,
+    beyond: int,
 ) -> None:
     before = length // 2
-    inner = row[before : before + samples]
-    a = first[r, begins[0] : begins[0] + samples]
+    # The whole row, or the samples alone.
+    aside, count = (before, samples + length) if beyond == MORE else (0, samples)
+    inner = row[before - aside : before - aside + count]
+    a = first[r, begins[0] - aside : begins[0] - aside + count]
     if second is None:
-        for i in range(samples):
+        for i in range(count):
             inner[i] = a[i]
     else:
-        b = second[r, begins[1] : begins[1] + samples]
-        for i in range(samples):
+        b = second[r, begins[1] - aside : begins[1] - aside + count]
+        for i in range(count):
             inner[i] = np.conj(np.complex128(a[i])) * np.complex128(b[i])
-    if circular:
+    if beyond == PERIOD:
         row[:before] = inner[samples - before :]
         row[before + samples :] = inner[: length - before]
 

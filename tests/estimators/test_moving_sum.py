@@ -4,7 +4,7 @@ import window_twin
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from estimators.moving_sum import product_sum, window_sum
+from estimators.moving_sum import product_sum, product_sum_within, window_sum
 
 few = settings(max_examples=40, deadline=None)
 
@@ -40,14 +40,26 @@ def test_the_sum_is_that_of_the_pixels_in_the_window(case, kind):
 
 
 @few
-@given(windows(), st.sampled_from([np.complex128, np.complex64]), st.integers(0, 3), st.integers(0, 3))
-def test_products_are_summed_from_where_the_series_begin(case, kind, begin, other):
+@given(windows(), st.sampled_from([np.complex128, np.complex64]))
+def test_products_are_formed_and_summed(case, kind):
     image, rows, samples, circular = case
     first, second = image.astype(kind)
-    wide = np.pad(first, ((0, 0), (begin, 1))), np.pad(second, ((0, 0), (other, 2)))
-    found = product_sum(*wide, rows, samples, circular=circular, begins=(begin, other), length=first.shape[1])
+    found = product_sum(first, second, rows, samples, circular=circular)
     twin = window_twin.window_sum(first.conj().astype(complex) * second, rows, samples, circular)
     np.testing.assert_array_equal(np.broadcast_to(found, first.shape), twin)
+
+
+@few
+@given(windows(), st.integers(1, 7), st.integers(1, 12), st.integers(0, 3))
+def test_products_are_summed_within_longer_rows(case, rows, samples, apart):
+    first, second = case[0]
+    times = first.shape[1]
+    wide = [np.pad(series, ((0, 0), (samples, samples + apart)), mode="wrap") for series in (first, second)]
+    found = np.empty(first.shape, dtype=np.complex128)
+    product_sum_within(*wide, (samples, samples + apart), rows, samples, found)
+    products = wide[0][:, : times + 2 * samples].conj() * wide[1][:, apart:]
+    twin = window_twin.window_sum(products, rows, samples, False)[:, samples : samples + times]
+    np.testing.assert_array_equal(found, twin)
 
 
 def test_a_window_may_have_more_rows_than_the_image():

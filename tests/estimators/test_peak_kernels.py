@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from estimators import FixedWindow
-from estimators.lag_product import LagStack, lag_stack
+from estimators.lag_product import LagStack, lag_series
 from estimators.peak import moved_to, peak_at
 
 few = settings(max_examples=30, deadline=None)
@@ -47,7 +47,7 @@ def test_a_stack_of_one_time_is_read_at_all():
 def test_the_stack_holds_the_products_at_whole_samples(times, samples, seed):
     rng = np.random.default_rng(seed)
     primary, secondary = rng.normal(size=(2, times)) + 1j * rng.normal(size=(2, times))
-    stack = lag_stack(primary[None], secondary[None], FixedWindow(1, samples), 1, 4, 1.0)
+    stack = lag_series(primary[None], secondary[None], FixedWindow(1, samples), 1, 4, 1.0).stack()
     twin = window_twin.lag_products(primary, secondary, 2 * np.arange(-4, 5), samples)
     np.testing.assert_allclose(np.broadcast_to(stack.products[:, 0], twin.shape), twin, atol=1e-11)
     assert np.all(np.abs(stack.products) <= stack.energies * (1 + 1e-12))
