@@ -134,18 +134,18 @@ def upsampled(series: Complex, factor: int) -> Complex:
     array
         Shape (factor, rows, samples).
     """
-    rows, samples = series.shape
+    samples = series.shape[1]
+    planes = np.empty((factor, *series.shape), dtype=np.complex128)
+    planes[0] = series
     spectrum = scipy.fft.fft(series, axis=-1)
-    wide = np.zeros((rows, samples * factor), dtype=np.complex128)
-    positive = (samples + 1) // 2
-    wide[:, :positive] = spectrum[:, :positive]
-    wide[:, samples * factor - samples + positive :] = spectrum[:, positive:]
-    if samples % 2 == 0:
-        # The Nyquist bin stands for both ends of the band, which at one instant a sample are one again.
-        wide[:, -samples // 2] = spectrum[:, samples // 2] / 2
-        wide[:, samples // 2] += spectrum[:, samples // 2] / 2
-    fine = scipy.fft.ifft(wide, axis=-1, overwrite_x=True) * factor
-    return np.ascontiguousarray(np.moveaxis(fine.reshape(rows, samples, factor), -1, 0))
+    # The Nyquist bin stands for both ends of the band, and turns either way.
+    nyquist = samples // 2 if samples % 2 == 0 else None
+    for part in range(1, factor):
+        turn = np.exp(2j * np.pi * part / factor * scipy.fft.fftfreq(samples))
+        if nyquist is not None:
+            turn[nyquist] = turn[nyquist].real
+        planes[part] = scipy.fft.ifft(spectrum * turn, axis=-1, overwrite_x=True)
+    return planes
 
 
 def lag_product(primary: Planes, secondary: Planes, lag: int) -> Complex:
@@ -190,7 +190,8 @@ def lag_series(
         Samples per second [Hz].
     """
     margin = reach // factor + 1
-    series = upsampled(primary, factor), upsampled(secondary, factor)
+    both = upsampled(np.concatenate([primary, secondary]), factor)
+    series = both[:, : len(primary)], both[:, len(primary) :]
     energy_before, energy_after = (extended(np.sqrt(window.sum(power(planes))), margin) for planes in series)
     wide = margin + window.samples
     before, after = (Planes(_wrapped(planes, wide), wide) for planes in series)

@@ -18,7 +18,7 @@ from sim.band import Complex, Real
 BLOCK_BYTES = 2**27
 """Size that the lag products of one block of rows may take."""
 
-CACHE_BYTES = 2**22
+CACHE_BYTES = 2**23
 """Size that the lag products at the times searched together may take."""
 
 

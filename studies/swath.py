@@ -116,5 +116,5 @@ def clear(pair: EchoPair, window: FixedWindow) -> NDArray[np.bool_]:
     assert truth is not None
     reach = window.samples + 2 * int(np.ceil(pair.sample_rate / pair.bandwidth))
     unseen = np.isnan(truth.delay).astype(float)[None]
-    seen: NDArray[np.bool_] = window_sum(unseen, 1, reach, circular=True)[0] == 0
-    return seen
+    seen = window_sum(unseen, 1, min(reach, unseen.size), circular=True)[0] == 0
+    return np.broadcast_to(seen, truth.delay.shape)
