@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from estimators.interference_kernel import interfere
 from estimators.lag_product import scale_of
 
-ROWS = 256
+ROWS = 512
 """Least number of rows from one fresh start of the sums to the next."""
 
 Numbers = NDArray[Any]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.compiled import compiled
+from estimators.compiled import compiled, compiled_fusing
 
 WIDTH = 2048
 """Samples along which sums move from one fresh start to the next, and that the line holds."""
@@ -96,7 +96,7 @@ def _parts(start: int, count: int, samples: int, circular: bool) -> Array:
     return parts[:number]
 
 
-@compiled
+@compiled_fusing
 def _move_down(
     p: Array, s: Array, new_p: Array, new_s: Array, scales: tuple[float, float, float], line: Array, at: int
 ) -> None:

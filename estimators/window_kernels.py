@@ -142,14 +142,14 @@ def _fill(
 def _add_tails_and_heads(row: Numbers, length: int, heads: Numbers, out: Numbers) -> None:
     for begin in range(0, out.size, length):
         count = min(length, out.size - begin)
-        tail = row[0] * 0
+        tail = head = row[0] * 0
         for k in range(length - 1, count - 1, -1):
             tail += row[begin + k]
-        for k in range(count - 1, -1, -1):
-            tail += row[begin + k]
-            out[begin + k] = tail
-        head = row[0] * 0
+        # Two sums at a time, that do not wait for each other.
         for k in range(count):
+            here = begin + count - 1 - k
+            tail += row[here]
+            out[here] = tail
             heads[k] = head
             head += row[begin + length + k]
         for k in range(count):
