@@ -7,6 +7,7 @@ from scipy.special import ndtr
 
 from estimators import bounds
 from estimators.estimate import DelayEstimate
+from estimators.interference import interferogram_with_energy
 from estimators.lag_product import power
 from estimators.peak import Peak
 from estimators.search import by_rows, describe
@@ -48,10 +49,19 @@ class Interferogram:
         Gaussian noise carrying the phase over the edge.
         """
         window = self.window.on(pair)
-        peak = by_rows(pair, window, 0, 64, lambda p, s: zero_lag(p, s, window).spread())
-        estimate = describe(pair, window, peak, refine=True, search=0.5 / pair.centre_frequency)
+        window.check(pair)
+        estimate = describe(pair, window, _peak(pair, window), refine=True, search=0.5 / pair.centre_frequency)
         looks = window.looks(pair)
         std = bounds.phase_crlb(looks, debiased_coherence(estimate.coherence, looks))
         to_edge = np.pi - np.abs(estimate.phase)
         crossing = np.where(std > 0, ndtr(-to_edge / np.maximum(std, 1e-300)), 0.0)
         return replace(estimate, wrap_error_probability=np.minimum(crossing, 0.5))
+
+
+def _peak(pair: EchoPair, window: Window) -> Peak:
+    if isinstance(window, FixedWindow):
+        product, energy = interferogram_with_energy(
+            pair.primary, pair.secondary, window.rows, window.samples, circular=pair.circular
+        )
+        return Peak(np.zeros(()), product, energy, np.ones((), dtype=np.bool_))
+    return by_rows(pair, window, 0, 64, lambda p, s: zero_lag(p, s, window).spread())

@@ -3,11 +3,13 @@
 from collections.abc import Callable
 
 import numpy as np
+import scipy.fft
 
 from estimators import bounds
 from estimators.estimate import DelayEstimate
-from estimators.lag_product import LagStack, lag_stack, power
-from estimators.peak import STENCIL, Index, Peak, moved_to, peak_at
+from estimators.lag_product import LagSeries, LagStack, lag_series, power, scale_of
+from estimators.peak import Index, Peak, moved_to, peak_at
+from estimators.peak_kernels import STENCIL
 from estimators.uncertainty import WrapErrors, debiased_coherence, predicted_std, predicted_wrap_errors
 from estimators.varying_stack import varying_lag_stack
 from estimators.windows import FixedWindow, Window
@@ -16,6 +18,9 @@ from sim.band import Complex, Real
 
 BLOCK_BYTES = 2**27
 """Size that the lag products of one block of rows may take."""
+
+CACHE_BYTES = 2**23
+"""Size that the lag products at the times searched together may take."""
 
 
 def search_range(pair: EchoPair, search: float | None, resolutions: float) -> float:
@@ -99,11 +104,24 @@ def over_lags(
     def peaks(primary: Complex, secondary: Complex, *rows: Real) -> Peak:
         steps = factor, reach, pair.sample_rate
         if isinstance(window, FixedWindow):
-            return find(lag_stack(primary, secondary, window, *steps), margin, *rows)
+            series = lag_series(primary, secondary, window, *steps)
+            return over_times(series, lambda stack, *part: find(stack, margin, *part), *rows)
         return find(varying_lag_stack(primary, secondary, window, *steps), margin, *rows)
 
     bytes_per_sample = 40 * (2 * reach + 1) + 48 * factor
     return by_rows(pair, window, int(np.ceil(2 * reach / factor)), bytes_per_sample, peaks, *beside)
+
+
+def over_times(series: LagSeries, find: Callable[..., Peak], *beside: Real) -> Peak:
+    """Apply a method to stacks of so many times that they stay in the cache, with what lies beside at these times."""
+    if series.times == 1:
+        return find(series.stack(), *beside)
+    samples = series.window.samples
+    # Whole windows, so that moving sums group the same samples in any stack.
+    times = max(1, CACHE_BYTES // (24 * (2 * series.reach + 1) * series.primary.values.shape[1] * samples)) * samples
+    starts = range(0, series.times, times)
+    found = [find(series.stack(at, at + times), *(array[:, at : at + times] for array in beside)) for at in starts]
+    return Peak(*(np.concatenate(parts, axis=1) for parts in zip(*found, strict=True)))
 
 
 def read_at(pair: EchoPair, window: Window, delay: Real, lags_per_resolution: int) -> Peak:
@@ -132,8 +150,9 @@ def by_rows(
     window.check(pair)
     rows, samples = pair.shape
     most_rows, most_samples = window.extent
-    scales = [_scale(series) for series in (pair.primary, pair.secondary)]
-    padding = 0 if pair.circular else lag_samples + most_samples
+    scales = [scale_of(series) for series in (pair.primary, pair.secondary)]
+    # A few more zeros make a length that is fast to transform.
+    padding = 0 if pair.circular else scipy.fft.next_fast_len(samples + lag_samples + most_samples) - samples
     # Whole windows of rows, so that moving sums group the same rows whatever the block.
     block = max(1, BLOCK_BYTES // (bytes_per_sample * (samples + padding) * most_rows)) * most_rows
     found = []
@@ -148,12 +167,6 @@ def by_rows(
         inner = slice(start - first, stop - first)
         found.append([array[inner, :samples] for array in peaks(primary, secondary, *others)])
     return Peak(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
-
-
-def _scale(series: Complex) -> float:
-    largest = float(max(np.abs(series.real).max(), np.abs(series.imag).max()))
-    # Of the smallest numbers no power of two makes 1: they are lifted as far as one can.
-    return float(2.0 ** min(-int(np.frexp(largest)[1]), 1000)) if largest > 0 else 1.0
 
 
 def refined_delay(peak: Peak, centre_frequency: float) -> Real:

@@ -7,7 +7,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.moving_sum import Number, circular_sum, clipped_sum
+from estimators.moving_sum import window_sum
 from sim import EchoPair, checks
 from sim.band import Band, Real
 
@@ -59,9 +59,9 @@ class FixedWindow:
             if size > available:
                 raise ValueError(f"the window has {size} {name}; the pair has {available}, and it must not have more")
 
-    def sum(self, array: NDArray[Number]) -> NDArray[Number]:
+    def sum(self, array: NDArray[Any]) -> NDArray[Any]:
         """Sum of (..., rows, time) over the window around each pixel: clipped in rows, circular in time."""
-        return circular_sum(clipped_sum(array, self.rows, axis=-2), self.samples)
+        return window_sum(array, self.rows, self.samples, circular=True)
 
     def inside(self, pair: EchoPair) -> NDArray[np.bool_]:
         """Where the window lies within the pair; shape (rows, time)."""
@@ -148,23 +148,14 @@ class VaryingWindow:
             )
         FixedWindow(*self.extent).check(pair)
 
-    def sum(self, array: NDArray[Number]) -> NDArray[Number]:
+    def sum(self, array: NDArray[Any]) -> NDArray[Any]:
         """Sum of (..., rows, time) over the window around each pixel: clipped in rows, circular in time.
 
         Times beyond those that have a size take the last one.
         """
-        total, times = np.empty_like(array), array.shape[-1]
-        rows, samples = (np.pad(sizes, (0, times - sizes.size), mode="edge") for sizes in (self.rows, self.samples))
-        starts = np.flatnonzero((np.diff(rows) != 0) | (np.diff(samples) != 0)) + 1
-        for start, stop in zip([0, *starts], [*starts, times], strict=True):
-            window = FixedWindow(int(rows[start]), int(samples[start]))
-            # As much around a run of one size as its windows reach, or all that there is.
-            first, last = start - window.samples, stop + window.samples
-            whole = last - first >= times
-            part = array if whole else np.take(array, np.arange(first, last), axis=-1, mode="wrap")
-            at = slice(start, stop) if whole else slice(window.samples, -window.samples)
-            total[..., start:stop] = np.broadcast_to(window.sum(part), part.shape)[..., at]
-        return total
+        beyond = array.shape[-1] - self.rows.size
+        rows, samples = (np.pad(sizes, (0, beyond), mode="edge") for sizes in (self.rows, self.samples))
+        return window_sum(array, rows, samples, circular=True)
 
     def inside(self, pair: EchoPair) -> NDArray[np.bool_]:
         """Where the window lies within the pair; shape (rows, time)."""

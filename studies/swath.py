@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from estimators import DelayEstimate
-from estimators.moving_sum import circular_sum
+from estimators.moving_sum import window_sum
 from estimators.windows import Window
 from sim import Box, EchoPair, Feature, Scene, Sonar, Wedge, plan, simulate
 from sim.band import Real
@@ -117,5 +117,6 @@ def clear(pair: EchoPair, window: Window) -> NDArray[np.bool_]:
     truth = pair.truth
     assert truth is not None
     reach = window.extent[1] + 2 * int(np.ceil(pair.sample_rate / pair.bandwidth))
-    seen: NDArray[np.bool_] = circular_sum(np.isnan(truth.delay).astype(float), reach) == 0
-    return seen
+    unseen = np.isnan(truth.delay).astype(float)[None]
+    seen = window_sum(unseen, 1, min(reach, unseen.size), circular=True)[0] == 0
+    return np.broadcast_to(seen, truth.delay.shape)
