@@ -21,8 +21,8 @@ def interferogram(
     """Windowed `sum conj(p) s` and its coherence `|sum conj(p) s| / sqrt(sum |p|^2 sum |s|^2)`.
 
     At a cost that does not depend on the size of the window, which is that of `estimators.FixedWindow`. All sums are of
-    double precision. Beside a pixel 80 dB brighter the phase errs by less than 1e-8; a window weaker than the brightest
-    by 1e-12 or so counts as empty.
+    double precision. Beside a pixel 80 dB brighter the phase errs by some 1e-9. A window whose energy is below what
+    rounding may have left there, 3e-12 of the brightest's for 9 x 9 pixels and 1.3e-11 for 39 x 39, counts as empty.
 
     Parameters
     ----------
@@ -38,8 +38,23 @@ def interferogram(
     Returns
     -------
     product, coherence
-        Of the precision of the images and of their shape.
+        Of the precision of the images and of their shape; 0 where a window is empty.
+
+    Raises
+    ------
+    ValueError
+        For images that are not complex or differ in shape, and for a window of less than a pixel or beyond the period.
     """
+    if primary.shape != secondary.shape or primary.ndim != 2:
+        raise ValueError(
+            f"the images have the shapes {primary.shape} and {secondary.shape}; they must be one (rows, time)"
+        )
+    if not (np.iscomplexobj(primary) and primary.dtype == secondary.dtype):
+        raise ValueError(f"the images are of type {primary.dtype} and {secondary.dtype}; they must be one complex type")
+    if min(rows, samples) < 1 or (circular and samples > primary.shape[1]):
+        raise ValueError(
+            f"the window has {rows} rows and {samples} samples; it must have 1 at least, and fit the period"
+        )
     scales = [scale_of(series) for series in (primary, secondary)]
     product = np.empty(primary.shape, primary.dtype)
     coherence = np.empty(primary.shape, primary.real.dtype)

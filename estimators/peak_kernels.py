@@ -19,6 +19,8 @@ OFFSETS = np.arange(-STENCIL, STENCIL + 1)
 COEFFICIENTS = np.linalg.inv(np.vander(OFFSETS.astype(float), increasing=True))
 """Of the polynomial, shape (power, lag), from the products at `OFFSETS`."""
 
+LAGS = 2 * STENCIL + 1
+
 STEPS = 4
 """Of Newton's method."""
 
@@ -36,7 +38,7 @@ def climb_from_lags(
     `share` takes how far in lags; it is zero, and the peak not inside, where a neighbouring lag is higher.
     """
     weights = COEFFICIENTS
-    real, imag = np.empty((len(weights), PIXELS)), np.empty((len(weights), PIXELS))
+    real, imag = np.empty((LAGS, PIXELS)), np.empty((LAGS, PIXELS))
     for r in range(index.shape[0]):
         for begin in range(0, index.shape[1], PIXELS):
             part = slice(begin, min(begin + PIXELS, index.shape[1]))
@@ -51,7 +53,7 @@ def climb_from_lags(
 def read_at_lags(products: Array, energies: Array, index: Array, share: Array, product: Array, energy: Array) -> None:
     """Products and energies at `share` of a lag from the lags `index`."""
     weights = COEFFICIENTS
-    real, imag = np.empty((len(weights), PIXELS)), np.empty((len(weights), PIXELS))
+    real, imag = np.empty((LAGS, PIXELS)), np.empty((LAGS, PIXELS))
     for r in range(index.shape[0]):
         for begin in range(0, index.shape[1], PIXELS):
             part = slice(begin, min(begin + PIXELS, index.shape[1]))
@@ -63,19 +65,20 @@ def read_at_lags(products: Array, energies: Array, index: Array, share: Array, p
 @compiled
 def _fit(products: Array, weights: Array, r: int, begin: int, index: Array, real: Array, imag: Array) -> None:
     """Coefficients of the polynomials, shape (power, pixel)."""
-    real[:], imag[:] = 0.0, 0.0
     # Where all times have one product, its column stands for all.
     last = products.shape[2] - 1
-    around_real, around_imag = np.empty(index.size), np.empty(index.size)
-    for j in range(weights.shape[1]):
+    around_real, around_imag = np.empty((LAGS, index.size)), np.empty((LAGS, index.size))
+    for j in range(LAGS):
         for i in range(index.size):
             value = products[index[i] + j - STENCIL, r, min(begin + i, last)]
-            around_real[i], around_imag[i] = value.real, value.imag
-        for k in range(weights.shape[0]):
-            weight, row_real, row_imag = weights[k, j], real[k], imag[k]
-            for i in range(index.size):
-                row_real[i] += weight * around_real[i]
-                row_imag[i] += weight * around_imag[i]
+            around_real[j, i], around_imag[j, i] = value.real, value.imag
+    for k in range(LAGS):
+        for i in range(index.size):
+            a = b = 0.0
+            for j in range(LAGS):
+                a += weights[k, j] * around_real[j, i]
+                b += weights[k, j] * around_imag[j, i]
+            real[k, i], imag[k, i] = a, b
 
 
 @compiled
@@ -95,27 +98,29 @@ def _start(products: Array, r: int, begin: int, index: Array, share: Array, insi
 @compiled
 def _climb(real: Array, imag: Array, share: Array, inside: Array) -> None:
     """Newton's method on half the squared magnitude."""
-    for i in range(share.size):
-        x = share[i]
-        for _ in range(STEPS):
-            a, b = real[8, i], imag[8, i]
+    for _ in range(STEPS):
+        for i in range(share.size):
+            x = share[i]
+            a, b = real[LAGS - 1, i], imag[LAGS - 1, i]
             slope_a = slope_b = half_a = half_b = 0.0
-            for k in range(7, -1, -1):
+            for k in range(2, LAGS + 1):
                 half_a, half_b = half_a * x + slope_a, half_b * x + slope_b
                 slope_a, slope_b = slope_a * x + a, slope_b * x + b
-                a, b = a * x + real[k, i], b * x + imag[k, i]
+                a, b = a * x + real[LAGS - k, i], b * x + imag[LAGS - k, i]
             gradient = a * slope_a + b * slope_b
             curvature = slope_a * slope_a + slope_b * slope_b + 2 * (a * half_a + b * half_b)
-            x = min(max(x - (gradient / curvature if curvature < 0 else 0.0), -1.0), 1.0)
-        share[i] = x if inside[i] else 0.0
+            step = gradient / curvature if curvature < 0 else 0.0
+            share[i] = min(max(x - step, -1.0), 1.0)
+    for i in range(share.size):
+        share[i] = share[i] if inside[i] else 0.0
 
 
 @compiled
 def _read(real: Array, imag: Array, share: Array, product: Array) -> None:
     for i in range(share.size):
-        a, b = real[8, i], imag[8, i]
-        for k in range(7, -1, -1):
-            a, b = a * share[i] + real[k, i], b * share[i] + imag[k, i]
+        a, b = real[LAGS - 1, i], imag[LAGS - 1, i]
+        for k in range(2, LAGS + 1):
+            a, b = a * share[i] + real[LAGS - k, i], b * share[i] + imag[LAGS - k, i]
         product[i] = complex(a, b)
 
 

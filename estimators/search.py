@@ -174,9 +174,8 @@ def refined_delay(peak: Peak, centre_frequency: float) -> Real:
 
     With the peak at `tau` and the absolute phase `phi = -arg C`: `tau + wrap(phi - 2 pi fc tau) / (2 pi fc)`.
     """
-    cycle = 2 * np.pi * centre_frequency
-    residual = np.angle(np.exp(-1j * cycle * peak.delay) * peak.product.conj())
-    delay: Real = peak.delay + residual / cycle
+    wraps = np.angle(peak.product) / (2 * np.pi) + centre_frequency * peak.delay
+    delay: Real = peak.delay + (np.rint(wraps) - wraps) / centre_frequency
     return delay
 
 
