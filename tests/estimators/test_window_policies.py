@@ -132,6 +132,9 @@ def test_pixels_of_a_pair_on_the_plane():
     np.testing.assert_allclose(pixels.range, C / 120e3 * slant / np.sqrt(slant**2 - H**2), rtol=1e-6)
     assert pixels.along_track == SONAR.aperture.resolution
     assert pixels.looks == 0.5
+    closer = replace(pair, row_spacing=0.01, row_looks=0.25)
+    assert Pixels.of(closer, closer.geometry).along_track == 0.01
+    assert Pixels.of(closer, closer.geometry).looks == 0.125
     # Before the first echo of the plane a sample has its length of slant range.
     early = replace(pair, geometry=Geometry(SONAR, 0.0))
     np.testing.assert_array_equal(Pixels.of(early, early.geometry).range, C / 120e3)
