@@ -14,7 +14,7 @@ from estimators.split_spectrum import SplitSpectrum
 from estimators.two_window import TwoWindow
 from estimators.validity import Coverage, Thresholds, coverage, valid_range
 from estimators.window_policies import AdaptiveWindow, ConstantStdWindow, WrapSafeWindow
-from estimators.windows import FixedWindow, VaryingWindow
+from estimators.windows import FixedWindow, VaryingWindow, WindowPolicy
 
 __all__ = [
     "AdaptiveWindow",
@@ -37,6 +37,7 @@ __all__ = [
     "Thresholds",
     "TwoWindow",
     "VaryingWindow",
+    "WindowPolicy",
     "WrapSafeWindow",
     "bounds",
     "conformance",

@@ -13,6 +13,7 @@ from estimators.range_coherence import MeasuredCoherence, RangeCoherence
 from estimators.ranges import Ranges
 from estimators.window_sizes import (
     WrapErrors,
+    least_coherence,
     side_of_constant_ratio,
     side_of_constant_std,
     smallest_safe,
@@ -201,7 +202,11 @@ class WrapSafeWindow(SquareWindow):
         sides = np.arange(self.smallest, self.largest + 1, 2, dtype=np.int64)
         looks = np.array([view.square(side).looks(view.pair) for side in sides])
         extent: Real = sides.astype(float) * view.pixels.along_track
-        first = smallest_safe(extent, looks, view.ranges, self.kappa, self.predict, self.max_wrap_probability)
+        ratio, place = view.ranges.relative_bandwidth, np.arange(looks.shape[1])
+        needed = least_coherence(self.predict, looks, ratio, self.max_wrap_probability)
+        first = smallest_safe(
+            extent, looks, view.ranges, self.kappa, lambda tried: view.ranges.coherence >= needed[tried, place]
+        )
         return sides[np.minimum(first, sides.size - 1)]
 
     def apart(self) -> tuple["WrapSafeWindow", "WrapSafeWindow"]:

@@ -17,6 +17,8 @@ from sim.band import Real
 WrapErrors = Callable[[ArrayLike, ArrayLike, ArrayLike], Real]
 """Probability of a wrap error from looks, coherence and relative bandwidth; it falls with coherence."""
 
+Condition = Callable[[NDArray[np.int64]], NDArray[np.bool_]]
+
 
 def side_of_constant_std(std_one: Real, std: float, pixels: Pixels) -> Real:
     """Rows of the square whose depth has the standard deviation `std` [m]: `a M^2 = (std_one / std)^2`.
@@ -36,9 +38,7 @@ def side_of_constant_ratio(std_one: Real, kappa: float, pixels: Pixels) -> Real:
     return side
 
 
-def smallest_safe(
-    extent: Real, looks: Real, ranges: Ranges, kappa: float, predict: WrapErrors, most: float
-) -> NDArray[np.int64]:
+def smallest_safe(extent: Real, looks: Real, ranges: Ranges, kappa: float, few_wraps: Condition) -> NDArray[np.int64]:
     """Number of the smallest window that is wide enough for its depth and has few wrap errors.
 
     Both `extent >= kappa depth_std` and the wrap-error probability are easier to meet the larger a window is, so that
@@ -54,30 +54,30 @@ def smallest_safe(
         How well a depth can be told at each range.
     kappa
         Side over exact spread of the depth, at least; 0 asks for none.
-    predict, most
-        Prediction of wrap errors, and their largest probability.
+    few_wraps
+        Tells of a number of a window for each range, shape (range,), where it has few enough wrap errors.
 
     Returns
     -------
     array
         Shape (range,); the number of windows where none does.
     """
-    needed = least_coherence(predict, looks, ranges.relative_bandwidth, most)
     count, places = looks.shape
     place = np.arange(places)
     low, high = np.zeros(places, dtype=np.int64), np.full(places, count)
     while np.any(low < high):
         middle = (low + high) // 2
         tried = np.minimum(middle, count - 1)
-        does = ranges.coherence >= needed[tried, place]
-        does &= extent[tried] >= kappa * ranges.depth_std(looks[tried, place])
-        does |= low >= high
+        wide = extent[tried] >= kappa * ranges.depth_std(looks[tried, place])
+        does = (wide & few_wraps(tried)) | (low >= high)
         low, high = np.where(does, low, middle + 1), np.where(does, middle, high)
     return low
 
 
 def least_coherence(predict: WrapErrors, looks: Real, relative_bandwidth: float, most: float) -> Real:
     """Lowest coherence at which so many looks have at most a given wrap-error probability, within 1e-12.
+
+    For many ranges and few sizes of windows: a prediction for each size costs less than one for each range.
 
     Parameters
     ----------

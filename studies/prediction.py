@@ -129,5 +129,9 @@ def _best_window(ranges: Ranges, pixels: Pixels, kappa: float, most_wrap_errors:
     sides = np.arange(1, LARGEST + 1, 2)
     looks = np.broadcast_to(pixels.looks_in(sides)[:, None], (sides.size, ranges.coherence.size))
     extent: Real = sides.astype(float) * pixels.along_track
-    first = smallest_safe(extent, looks, ranges, kappa, bounds.wrap_error_probability, most_wrap_errors)
-    return np.append(sides, 0)[first]
+
+    def few_wraps(tried: NDArray[np.int64]) -> NDArray[np.bool_]:
+        rate = bounds.wrap_error_probability(looks[tried, 0], ranges.coherence, ranges.relative_bandwidth)
+        return rate <= most_wrap_errors
+
+    return np.append(sides, 0)[smallest_safe(extent, looks, ranges, kappa, few_wraps)]

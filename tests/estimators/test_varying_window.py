@@ -88,6 +88,18 @@ def test_sums_looks_and_borders_are_those_of_the_fixed_window(make_patch, window
     np.testing.assert_allclose(window.sum(longer)[..., TIMES:], last.sum(longer)[..., TIMES:], rtol=0, atol=1e-13)
 
 
+@pytest.mark.parametrize("size", [1, 2, 9])
+def test_rows_that_are_alike_hold_as_many_looks_as_samples_that_are(make_patch, size):
+    pair = make_patch(12, TIMES, oversampling=1.6)
+    alike = replace(pair, row_looks=pair.bandwidth / pair.sample_rate)
+    in_time = FixedWindow(1, size).looks(pair)
+    assert FixedWindow(size, 1).looks(alike) == pytest.approx(in_time, rel=1e-12)
+    assert FixedWindow(size, size).looks(alike) == pytest.approx(in_time**2, rel=1e-12)
+    assert FixedWindow(size, 1).looks(pair) == pytest.approx(size, rel=1e-12)
+    both = VaryingWindow(np.full(TIMES, size), np.ones(TIMES, dtype=int))
+    np.testing.assert_allclose(both.looks(alike), in_time, rtol=1e-12)
+
+
 @settings(max_examples=10, deadline=None)
 @given(window=varying(), seed=st.integers(0, 2**32 - 1))
 def test_a_record_that_is_not_periodic(make_patch, window, seed):

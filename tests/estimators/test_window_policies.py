@@ -27,7 +27,7 @@ from estimators.conformance import findings
 from estimators.pixels import PAPER_B, nearest_odd
 from estimators.ranges import Ranges
 from estimators.window_sizes import least_coherence, side_of_constant_ratio, side_of_constant_std
-from sim import SONARS, EchoPair, Geometry, expected_coherence, speckle_pair
+from sim import SONARS, EchoPair, Geometry, speckle_pair
 
 SONAR = SONARS["hisas-1032"]
 FC, B, C, D, H = 122e3, 30e3, 1480.0, 0.3, 42.0
@@ -59,11 +59,12 @@ def test_equation_7_makes_the_side_kappa_times_the_spread(slant, coherence, kapp
     (side,) = side_of_constant_ratio(one, kappa, pixels)
     looks = pixels.looks * side * (side * pixels.along_track / pixels.range)
     assert side * pixels.along_track == pytest.approx(kappa * std_of(slant, coherence, looks), rel=1e-12)
-    if pixels.range == pixels.along_track:
-        rho = coherence / (1 - coherence)
-        of_snr = np.sqrt(1 / rho + 1 / (2 * rho**2))
-        printed = kappa * np.sqrt(pixels.looks) / pixels.range * slant * C / D / (2 * np.pi * FC) * of_snr
-        assert looks == pytest.approx(printed, rel=1e-12)
+    # Square pixels, as printed.
+    square = Pixels(pixels.range, pixels.range, pixels.looks)
+    rho = coherence / (1 - coherence)
+    of_snr = np.sqrt(1 / rho + 1 / (2 * rho**2))
+    printed = kappa * np.sqrt(square.looks) / square.range * slant * C / D / (2 * np.pi * FC) * of_snr
+    assert square.looks * side_of_constant_ratio(one, kappa, square) ** 2 == pytest.approx(printed, rel=1e-12)
 
 
 @given(SLANT, COHERENCE, st.floats(1e-3, 10.0), PIXELS)
@@ -82,7 +83,7 @@ def policies(**options):
     ]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(
     coherence=st.one_of(COHERENCE, st.sampled_from([0.0, 1.0])),
     ground=st.floats(0.0, 450.0),
@@ -132,6 +133,9 @@ def test_pixels_of_a_pair_on_the_plane():
     np.testing.assert_allclose(pixels.range, C / 120e3 * slant / np.sqrt(slant**2 - H**2), rtol=1e-6)
     assert pixels.along_track == SONAR.aperture.resolution
     assert pixels.looks == 0.5
+    closer = replace(pair, row_spacing=0.01, row_looks=0.25)
+    assert Pixels.of(closer, closer.geometry).along_track == 0.01
+    assert Pixels.of(closer, closer.geometry).looks == 0.125
     # Before the first echo of the plane a sample has its length of slant range.
     early = replace(pair, geometry=Geometry(SONAR, 0.0))
     np.testing.assert_array_equal(Pixels.of(early, early.geometry).range, C / 120e3)
@@ -158,17 +162,6 @@ def test_paper_bs_fixed_window_crosses_50_cm_at_320_m():
         assert window.rows[0] == pytest.approx(size, abs=2)
 
 
-def test_what_debiasing_does_to_the_predicted_spread():
-    # Theory section 6: 32.4 looks of coherence .187 read .231, and the spread is then promised 21 % too small.
-    read = float(bounds.sample_coherence_mean(32.4, 0.187))
-    assert read == pytest.approx(0.231, abs=0.0005)
-    slant = np.hypot(400.0, H)
-    promised, true = (float(bounds.depth_crlb(32.4, g, FC, slant, D, C)) for g in (read, 0.187))
-    assert promised / true == pytest.approx(0.802, abs=0.002)
-    debiased = float(bounds.depth_crlb(32.4, bounds.debias_coherence(read, 32.4), FC, slant, D, C))
-    assert debiased == pytest.approx(true, rel=1e-6)
-
-
 def patch(coherence, rows=81, samples=2048, seed=1):
     """Speckle as the sonar of paper B hears it, without a geometry."""
     return speckle_pair(
@@ -185,47 +178,6 @@ def patch(coherence, rows=81, samples=2048, seed=1):
 GEOMETRY = Geometry(SONAR, 2 * 300.0 / C)
 
 
-@pytest.mark.parametrize("coherence", [0.05, 0.187, 0.7, 0.999])
-def test_measured_coherence_is_not_biased(coherence):
-    pair = patch(coherence)
-    found = MeasuredCoherence(9, 5, smoothing=20.0).over_time(pair, GEOMETRY)
-    looks = FixedWindow(9, 5).looks(pair)
-    # Of the whole patch, windows of so many looks beside each other; those that overlap tell a little more. Their mean
-    # is off by 4.9 standard errors once in 1e6, and moves the coherence by the slope of its mean sample coherence.
-    independent = 81 * 20.0 / (C / 2) * B / looks / 1.5
-    step = 1e-3 * (1 - coherence)
-    slope = np.diff(bounds.sample_coherence_mean(looks, [coherence, coherence + step])).item() / step
-    tolerance = 4.9 * float(bounds.sample_coherence_std(looks, coherence) / slope) / np.sqrt(independent)
-    assert found.mean() == pytest.approx(coherence, abs=tolerance)
-    # The sample coherence as it is would fail by far where the coherence is low.
-    if coherence < 0.2:
-        assert Interferogram(FixedWindow(9, 5)).estimate(pair).coherence.mean() > coherence + 2 * tolerance
-
-
-def test_measured_coherence_of_what_is_silent_or_small():
-    pair = patch(0.9, rows=2, samples=40)
-    nothing = np.zeros(pair.shape, dtype=complex)
-    over_time = MeasuredCoherence().over_time
-    np.testing.assert_array_equal(over_time(replace(pair, primary=nothing), GEOMETRY), 0.0)
-    # Where half of it is silent, the other half says it.
-    half = np.arange(40) < 20
-    found = over_time(replace(pair, primary=pair.primary * half, secondary=pair.secondary * half), GEOMETRY)
-    assert (found[:15] > 0.5).all()
-    assert (found[30:35] > 0.5).all()
-    one = patch(0.9, rows=1, samples=2)
-    one = replace(one, primary=one.primary[:, :1], secondary=one.secondary[:, :1], circular=False)
-    np.testing.assert_array_equal(over_time(one, GEOMETRY), 0.0)
-
-
-def test_coherence_from_a_curve_and_from_the_sonar_equation():
-    pair = pair_at(100.0, (3, 4096))
-    ground = np.sqrt((C / 2 * pair.grid.times) ** 2 - H**2)
-    curve = KnownCoherence([0.9, 0.5], [110.0, 130.0]).over_time(pair, pair.geometry)
-    np.testing.assert_allclose(curve, np.clip(0.9 - 0.02 * (ground - 110.0), 0.5, 0.9), rtol=1e-12)
-    of_silt = ModelledCoherence("silt").over_time(pair, pair.geometry)
-    np.testing.assert_allclose(of_silt, expected_coherence(SONAR, "silt", ground))
-
-
 def test_sizes_grow_smoothly_along_the_swath():
     pair = pair_at(60.0, (101, 17_000))
     window = AdaptiveWindow(2.0, coherence=ModelledCoherence("coarse sand"), largest=101).on(pair)
@@ -235,7 +187,7 @@ def test_sizes_grow_smoothly_along_the_swath():
     assert np.ptp(window.rows[beyond]) >= 10
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(
     coherence=st.floats(0.05, 0.999),
     kappa=st.one_of(st.just(0.0), st.floats(0.2, 3.0)),
