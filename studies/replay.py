@@ -50,7 +50,8 @@ def one_trial(study: Study, seed: int, point: int, block: int, trial: int) -> pd
                 name: reading.of(getattr(made.estimate, name))[here]
                 for name in ("delay", "coherence", "delay_std", "wrap_error_probability", "quality", "valid")
             }
-            shown = pd.DataFrame({"delay_error": reading.errors[here], **values})
+            counted = np.broadcast_to(reading.counted, reading.errors.shape)[here]
+            shown = pd.DataFrame({"delay_error": reading.errors[here], **values})[counted]
             shown.insert(0, "region", reading.region)
             shown.insert(0, "window", str(method.window))
             shown.insert(0, "estimator", method.section.name)

@@ -217,7 +217,7 @@ def made(tree: Mapping[str, Any], source: str) -> Study:
 
 
 def load(path: Path) -> Study:
-    """Read a study file.
+    """Read a study file; the files that it names by a relative path lie beside it.
 
     Raises
     ------
@@ -230,4 +230,16 @@ def load(path: Path) -> Study:
         tree = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ValueError(f"{path}: it must be TOML: {error}") from None
-    return made(tree, str(path))
+    return made(_beside(path, tree), str(path))
+
+
+def _beside(path: Path, tree: Any) -> Any:
+    """Nested tables with the files that they name found beside another file."""
+    if isinstance(tree, list):
+        return [_beside(path, part) for part in tree]
+    if not isinstance(tree, dict):
+        return tree
+    found = {key: _beside(path, part) for key, part in tree.items()}
+    if found.get("kind") == "height-map" and isinstance(found.get("file"), str):
+        found["file"] = str(path.parent / found["file"])
+    return found
