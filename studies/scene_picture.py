@@ -1,11 +1,15 @@
 """A picture of a scene: its relief, what the sonar makes of it, and where it lies in shadow and layover."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LightSource, ListedColormap, Normalize
+from matplotlib.colors import Colormap, LightSource, ListedColormap, Normalize
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+from numpy.typing import NDArray
 
 from sim import EchoPair, Scene, Sonar, snr
 from sim.band import Real
@@ -87,9 +91,8 @@ def _profile(panel: Axes, profile: Profile, sonar: Sonar) -> None:
     panel.plot(ground_range, height, color="black", linewidth=1.2, label="seabed")
     panel.plot(ground_range, np.where(hidden, height, np.nan), color=SHADOW, linewidth=4, label="hidden")
     for end in np.flatnonzero(hidden[:-1] & ~hidden[1:]):
-        panel.plot(
-            [0.0, ground_range[end]], [sonar.altitude, height[end]], "--", color="0.5", linewidth=0.8, label="first ray beyond"
-        )
+        ray = [0.0, ground_range[end]], [sonar.altitude, height[end]]
+        panel.plot(*ray, "--", color="0.5", linewidth=0.8, label="first ray beyond")
     low, high = float(height.min()), float(height.max())
     span = max(high - low, 0.02 * sonar.altitude)
     panel.set_ylim(low - 0.15 * span, high + 0.4 * span)
@@ -122,7 +125,7 @@ def _map(panel: Axes, scene: Scene, extent: Extent) -> None:
         dx=(far - near) / COLUMNS,
         dy=(last - first) / LINES,
     )
-    panel.imshow(shaded, extent=extent, origin="lower", aspect="auto", interpolation="nearest")
+    _drawn(panel, shaded, extent, RELIEF, (low, high))
     _bar(panel, ScalarMappable(Normalize(low, high), RELIEF), "height [m]")
     panel.set_title("Relief, lit from the sonar's side", fontsize=10, loc="left")
 
@@ -141,8 +144,7 @@ def _image(panel: Axes, pair: EchoPair, scene: Scene, extent: Extent) -> None:
         mean = mean / (1 + 10 ** (snr(sonar, scene.sediment, middles, model=scene.scattering) / 10))
     level = 10 * np.log10(np.maximum(mean, 1e-12))
     top = float(np.percentile(level, 99.9))
-    options = {"extent": extent, "cmap": "gray", "vmin": top - DYNAMIC_RANGE, "vmax": top}
-    drawn = panel.imshow(level, origin="lower", aspect="auto", interpolation="nearest", **options)
+    drawn = _drawn(panel, level, extent, "gray", (top - DYNAMIC_RANGE, top))
     over = "flat floor" if scene.sediment is None else "flat floor and noise"
     _bar(panel, drawn, f"intensity over\n{over} [dB]", "both")
     for target in scene.targets:
@@ -163,11 +165,25 @@ def _masks(panel: Axes, pair: EchoPair, scene: Scene, extent: Extent) -> None:
     shadow, layover = (np.atleast_2d(mask)[:, sample] for mask in (truth.shadow, truth.layover))
     found = np.where(layover, 2, np.where(shadow, 1, 0))
     for number, (name, colour) in enumerate(HEARD.items()):
-        label = f"{name} ({np.mean(found == number):.2g} of it)"
+        label = f"{name} ({100 * np.mean(found == number):.2g} %)"
         panel.fill_between([], [], facecolor=colour, edgecolor="black", linewidth=0.5, label=label)
-    colours, options = ListedColormap(list(HEARD.values())), {"vmin": 0, "vmax": len(HEARD) - 1, "extent": extent}
-    panel.imshow(found, origin="lower", aspect="auto", interpolation="nearest", cmap=colours, **options)
+    _drawn(panel, found, extent, ListedColormap(list(HEARD.values())), (0, len(HEARD) - 1))
     panel.set_title("Layover and shadow, of either receiver", fontsize=10, loc="left")
+
+
+def _drawn(
+    panel: Axes, values: NDArray[Any], extent: Extent, colours: Colormap | str, limits: tuple[float, float]
+) -> AxesImage:
+    return panel.imshow(
+        values,
+        origin="lower",
+        aspect="auto",
+        interpolation="nearest",
+        extent=extent,
+        cmap=colours,
+        vmin=limits[0],
+        vmax=limits[1],
+    )
 
 
 def _bar(panel: Axes, drawn: ScalarMappable, label: str, extend: str = "neither") -> None:

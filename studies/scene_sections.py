@@ -151,13 +151,7 @@ def _height_map(file: str, digest: str) -> HeightMap:
 
 
 FeatureSection = Annotated[
-    BoxSection
-    | WedgeSection
-    | SlopeSection
-    | StepSection
-    | TrawlMarkSection
-    | RoughnessSection
-    | HeightMapSection,
+    BoxSection | WedgeSection | SlopeSection | StepSection | TrawlMarkSection | RoughnessSection | HeightMapSection,
     Field(discriminator="kind"),
 ]
 """Something that shapes the seabed; its `kind` says what."""

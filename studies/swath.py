@@ -113,9 +113,7 @@ class Swath(Section):
 
     def simulate(self, sonar: Sonar, trials: int, rng: np.random.Generator) -> EchoPair:
         """One row a trial, registered to the floor."""
-        return simulate(
-            self.scene(), sonar, rng=rng, snr=self._snr, rows=trials, required=self.required(sonar, trials)
-        )
+        return simulate(self.scene(), sonar, rng=rng, snr=self._snr, rows=trials, required=self.required(sonar, trials))
 
     def read(self, pair: EchoPair, window: FixedWindow, estimate: DelayEstimate) -> list[Reading]:
         """Errors outside layover, and in it; there, against the nearest of the parts that are heard at once.
@@ -176,7 +174,7 @@ def _cell_rows(pair: EchoPair) -> int:
 
 def _reading(region: str, errors: Real, rows: slice, counted: NDArray[np.bool_]) -> Reading:
     """A reading of the samples that count in some row; `counted` has shape (row or 1, time)."""
-    samples = counted.any(axis=0)
+    samples = np.asarray(counted.any(axis=0))
     return Reading(region, errors[:, samples], rows, samples, counted[:, samples])
 
 

@@ -9,7 +9,6 @@ from estimators import DelayEstimate, FixedWindow
 from sim import EchoPair, Sonar
 from sim.band import Real
 
-
 EVERY = np.ones((1, 1), dtype=np.bool_)
 """All estimates, where each counts."""
 
