@@ -58,7 +58,10 @@ class Plans(Section):
         return list(COLUMNS)
 
     def table(self, sonar: Sonar) -> pd.DataFrame:
-        """Decisions, seconds a row, and differences with standard errors; a row for each scene and stretch of it."""
+        """Decisions, processor seconds a row and differences with standard errors, a row for each stretch of a scene.
+
+        The seconds count what rows beyond the ends cost. It `agrees` where all differences are within their tolerance.
+        """
         rng = np.random.default_rng(self.seed)
         rows: list[dict[str, Any]] = []
         for name, swath in self.scenes.items():

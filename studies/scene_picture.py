@@ -25,7 +25,7 @@ COLUMNS, LINES = 1200, 200
 DYNAMIC_RANGE = 40.0
 """Of the image [dB]."""
 
-SECONDS, FEWEST, MOST = 3.0, 32, 400
+SECONDS, FEWEST, MOST = 2.0, 32, 256
 """Time that the simulation is planned to take [s], and the number of its rows."""
 
 RELIEF = colormaps["bone"]
@@ -41,7 +41,7 @@ Extent = tuple[float, float, float, float]
 def scene_picture(swath: Swath, sonar: Sonar, rng: np.random.Generator) -> Figure:
     """Relief, image intensity, and layover and shadow of a scene over ground range.
 
-    The image has as many rows along track, a resolution cell apart, as are planned to take 3 s, 32 to 400; its pixels
+    The image has as many rows along track, a resolution cell apart, as are planned to take 2 s, 32 to 256; its pixels
     are means over 1/1200 of the swath, placed where the flat floor is heard at the same time.
 
     Parameters
@@ -165,7 +165,7 @@ def _masks(panel: Axes, pair: EchoPair, scene: Scene, extent: Extent) -> None:
     shadow, layover = (np.atleast_2d(mask)[:, sample] for mask in (truth.shadow, truth.layover))
     found = np.where(layover, 2, np.where(shadow, 1, 0))
     for number, (name, colour) in enumerate(HEARD.items()):
-        label = f"{name} ({100 * np.mean(found == number):.2g} %)"
+        label = f"{name} ({100 * np.mean(found == number):.3g} %)"
         panel.fill_between([], [], facecolor=colour, edgecolor="black", linewidth=0.5, label=label)
     _drawn(panel, found, extent, ListedColormap(list(HEARD.values())), (0, len(HEARD) - 1))
     panel.set_title("Layover and shadow, of either receiver", fontsize=10, loc="left")
