@@ -20,10 +20,12 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from estimators.pixels import Pixels
 from sim import checks
 from studies import catalogue, engine, manifest, prediction, report, shards
-from studies.design import methods
+from studies.design import Point, methods
 from studies.replay import one_block, one_trial
+from studies.scene_picture import scene_picture
 from studies.status import status as status_of
 from studies.study import Study
+from studies.swath import Swath
 from studies.swath_figure import swath_figure
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -54,18 +56,27 @@ def list_studies() -> None:
 @app.command()
 def check(
     file: Annotated[str, typer.Argument(help="A study file, or the name of a shipped study.")],
+    picture: Annotated[Path | None, typer.Argument(help="Of --plot, the file; NAME.png by default.")] = None,
+    plot: Annotated[bool, typer.Option("--plot", help="Make a picture of the scene, of the first point.")] = False,
 ) -> None:
-    """Check a study file, and say what it would run."""
+    """Check a study file, and say what it would run; of a scene, how it would be simulated."""
     with _one_line_errors():
+        if picture is not None and not plot:
+            raise ValueError(f"{picture} is given without --plot; it must be with it")
         study = catalogue.study(file)
         design = engine.check(study)
         trials = study.trials
         console.print(f"{study.name}: {study.question}", soft_wrap=True)
         if not design:
+            if plot:
+                raise ValueError(f"{study.name} has no scene; --plot must be for one that has")
             return
         console.print(f"{len(design)} design points of up to {trials.count} trials, in blocks of {trials.block}")
         for method in methods(study, design[0]):
             console.print(f"  {' '.join(method.labels)}: {method.section.method}", soft_wrap=True)
+        _show_plans(study, design)
+        if plot:
+            _plot(study, design[0], picture or Path(f"{study.name}.png"))
 
 
 @app.command()
@@ -201,6 +212,26 @@ def predict(
         short = short[["seabed", *(column for column in short.columns if column != "seabed")]]
         console.print(short.to_string(index=False, float_format="{:.3g}".format), soft_wrap=True)
         console.print(f"{out / 'table.csv'}\n{out / 'figure.png'}", soft_wrap=True)
+
+
+def _show_plans(study: Study, design: list[Point]) -> None:
+    """The plan of every scene of a study, once for points of the same."""
+    seen: list[str] = []
+    for point in design:
+        if isinstance(point.world, Swath):
+            text = str(point.world.required(point.sonar, study.trials.block))
+            if text not in seen:
+                varied = ", ".join(f"{name} {value}" for name, value in point.columns.items())
+                console.print(f"simulation of {study.trials.block} rows{f' at {varied}' if varied else ''}:")
+                console.print(text, soft_wrap=True)
+            seen.append(text)
+
+
+def _plot(study: Study, point: Point, picture: Path) -> None:
+    if not isinstance(point.world, Swath):
+        raise ValueError(f"{study.name} has no scene; --plot must be for one that has")
+    scene_picture(point.world, point.sonar, np.random.default_rng(2026)).savefig(picture, dpi=150)
+    console.print(str(picture), soft_wrap=True)
 
 
 def _configured(name: str, quick: bool, values: dict[str, Any], estimators: list[str]) -> Study:

@@ -7,7 +7,6 @@ from functools import cached_property
 from itertools import product
 from typing import Any, NamedTuple
 
-import pandas as pd
 from pydantic import ValidationError
 
 from estimators import FixedWindow
@@ -15,6 +14,7 @@ from sim import Sonar
 from studies.levels import Levels
 from studies.method import Method, methods_of
 from studies.patch import Patch
+from studies.plans import Plans
 from studies.section import Section, complaint, resolved
 from studies.seeds import canonical
 from studies.study import Study
@@ -81,11 +81,11 @@ def points(study: Study) -> Iterator[Point]:
         yield Point(number, found.varied, found.sonar, world, found.plain)
 
 
-def computed(study: Study) -> Iterator[tuple[Mapping[str, Any], pd.DataFrame]]:
-    """Of a study that simulates nothing, what varies at each design point, by column, and the table there."""
+def computed(study: Study) -> Iterator[tuple[Mapping[str, Any], Levels | Plans, Sonar]]:
+    """Of a study without blocks, what varies at each design point, by column, and what makes a table for a sonar."""
     for found in _resolved(study):
-        assert isinstance(found.section, Levels)
-        yield columns_of(found.varied), found.section.table(found.sonar)
+        assert isinstance(found.section, Levels | Plans)
+        yield columns_of(found.varied), found.section, found.sonar
 
 
 def columns_of(varied: Mapping[str, Any]) -> dict[str, Any]:

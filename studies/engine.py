@@ -18,7 +18,7 @@ from studies.method import Method
 from studies.named import imported
 from studies.parallel import BACKENDS, one_thread, parallel
 from studies.stopping import standings
-from studies.study import Study
+from studies.study import COMPUTED, Study
 from studies.table import columns_at
 
 LOOSE = 512
@@ -90,7 +90,7 @@ class Run:
 
 
 def check(study: Study) -> list[Point]:
-    """The design points of a study, each of which can be simulated and estimated; none where nothing is simulated.
+    """The design points of a study, each of which can be simulated and estimated; none of one that has no trials.
 
     Raises
     ------
@@ -102,9 +102,9 @@ def check(study: Study) -> list[Point]:
             imported(section.draw, "draw")
     if study.answer is not None:
         imported(study.answer, "answer")
-    if study.kind == "levels":
-        for columns, table in computed(study):
-            study.check_columns([*columns, *table.columns])
+    if study.kind in COMPUTED:
+        for varied, makes, sonar in computed(study):
+            study.check_columns([*varied, *makes.columns(sonar)])
         return []
     found = list(points(study))
     for point in found:

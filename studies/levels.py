@@ -42,6 +42,10 @@ class Levels(Section):
             raise ValueError(error.args[0]) from None
         return self
 
+    def columns(self, sonar: Sonar) -> list[str]:
+        """Columns of its table."""
+        return list(self.table(sonar).columns)
+
     def table(self, sonar: Sonar) -> pd.DataFrame:
         """Every term of the sonar equation, the SNR [dB] and the factors of the coherence, a row for each range."""
         y = np.linspace(*self.ground_range, self.ranges)

@@ -80,14 +80,14 @@ def _measured(
     """Sum up the errors of an attempt in one region; an error that is not finite is a failure."""
     estimate, wrap = made.estimate, facts["wrap"]
     moments, batches = of_errors(
-        reading.errors / wrap,
+        np.where(reading.counted, reading.errors / wrap, np.nan),
         np.abs(reading.errors) > 0.5 / pair.bandwidth,
         half_width=NORMAL_95 * reading.of(estimate.delay_std) / wrap,
         claimed=reading.of(estimate.wrap_error_probability),
         place=np.arange(pair.shape[0])[reading.rows] / pair.shape[0],
         weights=1.0 if pair.likelihood_ratio is None else pair.likelihood_ratio[reading.rows, None],
     )
-    failed = ~np.isfinite(reading.errors)
+    failed = reading.counted & ~np.isfinite(reading.errors)
     said = dict(made.raised)
     rows = np.arange(pair.shape[0])[reading.rows]
     failures = [Failure(int(row), said.get(int(row), "not a finite number")) for row in rows[failed.any(axis=1)]]
@@ -100,7 +100,7 @@ def _measured(
         batches=batches,
         failures=int(failed.sum()),
         failed=failures,
-        flagged=int(np.sum(~reading.of(estimate.valid) & ~failed)),
+        flagged=int(np.sum(reading.counted & ~reading.of(estimate.valid) & ~failed)),
         seconds_per_pixel=made.seconds / pair.primary.size,
     )
 
@@ -110,17 +110,22 @@ def expected(estimator: Estimator, looks: Looks, world: World, sonar: Sonar) -> 
 
     `crlb` is the coherent wideband bound whatever the estimator, `ziv_zakai` the bound with wraps for a delay within
     `1 / B` of zero [s]; `predicted_wrap_rate` and `predicted_delay_std` [s] are those of the estimator's kind, and
-    `wrap` the delay of one [s]. Of looks that vary with time no one number can be said: they and what follows from
-    them are NaN.
+    `wrap` the delay of one [s]. Where the world has no one coherence, or looks vary with time, no one number can be
+    said: they and what follows from them are NaN.
     """
     looks = float(np.max(looks)) if np.ptp(looks) == 0 else np.nan
     fc, ratio, coherence = sonar.centre_frequency, sonar.relative_bandwidth, world.true_coherence
-    return {
+    known = {
         "looks": looks,
         "coherence": coherence,
         "snr_db": world.snr_db,
         "relative_bandwidth": ratio,
         "wrap": sonar.wrap,
+    }
+    if np.isnan(coherence):
+        return {**dict.fromkeys(FACTS, np.nan), **known}
+    return {
+        **known,
         "predicted_wrap_rate": predicted_wrap_rate(estimator, looks, coherence, sonar),
         "predicted_delay_std": predicted_delay_std(estimator, looks, coherence, sonar),
         "crlb": float(bounds.coherent_delay_crlb(looks, coherence, fc, sonar.bandwidth)),

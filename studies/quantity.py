@@ -13,6 +13,7 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9},
     "dB": {"dB": 1.0},
     "wraps": {"wraps": 1.0, "wrap": 1.0},
+    "degrees": {"degrees": 1.0, "degree": 1.0, "deg": 1.0},
 }
 """Units of each kind of quantity, in that which a bare number has."""
 
@@ -56,3 +57,4 @@ MetresPerSecond = Annotated[float, _parser("m/s")]
 Seconds = Annotated[float, _parser("s")]
 Decibels = Annotated[float, _parser("dB")]
 Wraps = Annotated[float, _parser("wraps")]
+Degrees = Annotated[float, _parser("degrees")]

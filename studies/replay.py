@@ -5,7 +5,7 @@ import pandas as pd
 
 from studies.design import Task, blocks, methods, points, task
 from studies.measure import apply, echoes, measure
-from studies.study import Study
+from studies.study import COMPUTED, Study
 from studies.table import row
 
 
@@ -37,7 +37,7 @@ def one_trial(study: Study, seed: int, point: int, block: int, trial: int) -> pd
     again = _task(study, point, block)
     _check("trial", trial, again.trials)
     pair = echoes(again, study.trials.block, seed)
-    rows = []
+    rows: list[pd.DataFrame] = []
     for method in methods(study, again.point):
         _, made = apply(method, pair, again, seed)
         said = {failure.trial: failure.error for failure in made.raised}.get(trial, "")
@@ -50,7 +50,8 @@ def one_trial(study: Study, seed: int, point: int, block: int, trial: int) -> pd
                 name: reading.of(getattr(made.estimate, name))[here]
                 for name in ("delay", "coherence", "delay_std", "wrap_error_probability", "quality", "valid")
             }
-            shown = pd.DataFrame({"delay_error": reading.errors[here], **values})
+            counted = np.broadcast_to(reading.counted, reading.errors.shape)[here]
+            shown = pd.DataFrame({"delay_error": reading.errors[here], **values}).loc[counted]
             shown.insert(0, "region", reading.region)
             shown.insert(0, "window", str(method.window))
             shown.insert(0, "estimator", method.section.name)
@@ -59,8 +60,8 @@ def one_trial(study: Study, seed: int, point: int, block: int, trial: int) -> pd
 
 
 def _task(study: Study, point: int, block: int) -> Task:
-    if study.kind == "levels":
-        raise ValueError(f"{study.name} simulates nothing; it has no blocks")
+    if study.kind in COMPUTED:
+        raise ValueError(f"{study.name} is computed anew; it has no blocks")
     design = list(points(study))
     _check("point", point, len(design))
     _check("block", block, blocks(study))

@@ -1,6 +1,7 @@
 """What a run found: tables, figures and a page, from its block files alone."""
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from studies.measurement import Measurement
 from studies.named import called, imported
 from studies.page import page
 from studies.stopping import Standing, measured_blocks
-from studies.study import Study
+from studies.study import COMPUTED, Study
 from studies.table import row
 
 
@@ -75,8 +76,8 @@ def result(study: Study, store: Store) -> Result:
     ValueError
         Where no block is there.
     """
-    if study.kind == "levels":
-        tables = [found.assign(**columns)[[*columns, *found.columns]] for columns, found in computed(study)]
+    if study.kind in COMPUTED:
+        tables = [_beside(varied, section.table(sonar)) for varied, section, sonar in computed(study)]
         return Result(pd.concat(tables, ignore_index=True), pd.DataFrame(), pd.DataFrame(), [])
     rows: list[dict[str, Any]] = []
     differences: list[dict[str, Any]] = []
@@ -102,6 +103,11 @@ def result(study: Study, store: Store) -> Result:
     return Result(
         table, pd.DataFrame(differences), pd.DataFrame(failures), examples, (missing, wanted), store.others(design)
     )
+
+
+def _beside(varied: Mapping[str, Any], table: pd.DataFrame) -> pd.DataFrame:
+    """A table with what varies in front."""
+    return table.assign(**varied)[[*varied, *table.columns]]
 
 
 class _Sums:

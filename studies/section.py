@@ -41,25 +41,50 @@ def complaint(error: ValidationError, kind: type[BaseModel]) -> str:
     """One thing that pydantic found wrong, as `key = value: what is allowed`, in one line."""
     # What is missing is often there by another name.
     first = min(error.errors(include_url=False), key=lambda found: found["type"] != "extra_forbidden")
-    key, given, said = _dotted(first["loc"]), first["input"], str(first["msg"])
+    steps, section = _followed(kind, first["loc"])
+    key, given, said = _dotted(steps), first["input"], str(first["msg"])
     if first["type"] == "extra_forbidden":
-        known = model_at(kind, first["loc"][:-1]).model_fields
-        return f"{key}: there is no such key; it must be {suggestion(str(first['loc'][-1]), known)}"
+        return f"{key}: there is no such key; it must be {suggestion(str(steps[-1]), section.model_fields)}"
     if first["type"] == "missing":
         return f"{key} is missing; it must be given"
-    said = said.removeprefix("Value error, ")
+    if first["type"] == "union_tag_not_found":
+        return f"{key}.kind is missing; it must be given"
+    if first["type"] == "union_tag_invalid":
+        tag, tags = first["ctx"]["tag"], first["ctx"]["expected_tags"].replace("'", "").split(", ")
+        return f"{key}.kind = {tag!r}: it must be {suggestion(tag, tags)}"
+    said = " ".join(said.removeprefix("Value error, ").split())
     if isinstance(given, Mapping) or first["loc"] == ():
         return f"{key}: {said}" if key else said
-    said = said.replace("Input should be", "it must be")
-    return f"{key} = {given!r}: {' '.join(said.split())}"
+    return f"{key} = {given!r}: {said.replace('Input should be', 'it must be')}"
 
 
 def model_at(kind: type[BaseModel], location: Iterable[str | int]) -> type[BaseModel]:
     """The section at a place within a section."""
+    return _followed(kind, location)[1]
+
+
+def _followed(kind: type[BaseModel], location: Iterable[str | int]) -> tuple[list[str | int], type[BaseModel]]:
+    """The steps of a place within a section that a study file has, and the section there.
+
+    Where a section may be of several kinds, a place has a step with the name of the kind, which a study file has not.
+    """
+    steps: list[str | int] = []
+    choices = [kind]
     for step in location:
-        if isinstance(step, str) and step in kind.model_fields:
-            kind = next(_models(kind.model_fields[step].annotation), kind)
-    return kind
+        of_kind = [choice for choice in choices if len(choices) > 1 and step in _kinds(choice)]
+        if of_kind:
+            choices = of_kind
+            continue
+        steps.append(step)
+        if isinstance(step, str) and step in choices[0].model_fields:
+            choices = list(_models(choices[0].model_fields[step].annotation)) or choices[:1]
+    return steps, choices[0]
+
+
+def _kinds(section: type[BaseModel]) -> tuple[Any, ...]:
+    """Names of the kinds that a section may be."""
+    field = section.model_fields.get("kind")
+    return () if field is None else get_args(field.annotation)
 
 
 def _models(annotation: Any) -> Iterator[type[BaseModel]]:

@@ -11,6 +11,7 @@ from studies.design import methods, points
 from studies.engine import Share, store_of
 from studies.lock import only_writer
 from studies.stopping import standings
+from studies.study import COMPUTED
 
 
 def parsed(text: str) -> Share:
@@ -59,8 +60,8 @@ def merge(folder: Path, parts: Sequence[Path]) -> pd.DataFrame:
 def _take_over(folder: Path, part: Path) -> None:
     """Add the blocks of a shard to those of a folder, a file for each point."""
     study, seed = manifest.study_of(part)
-    if study.kind == "levels":
-        raise ValueError(f"{part} holds a study that simulates nothing; it has no blocks")
+    if study.kind in COMPUTED:
+        raise ValueError(f"{part} holds a study that is computed anew; it has no blocks")
     manifest.begin(study, seed, folder)
     here, there = store_of(study, seed, folder), store_of(study, seed, part)
     for point in points(study):

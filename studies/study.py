@@ -11,6 +11,7 @@ from studies.drawing import FigureSection, SummarySection, check_columns
 from studies.levels import Levels
 from studies.method import EstimatorSection
 from studies.patch import Patch
+from studies.plans import Plans
 from studies.section import Section, complaint, model_at, suggestion
 from studies.sonar_section import SonarSection
 from studies.swath import Swath
@@ -59,7 +60,10 @@ class Trials(Section):
     until: Until | None = None
 
 
-KINDS = ("patch", "scene", "levels")
+COMPUTED = ("levels", "plans")
+"""Sections that make a table as it is asked for, without blocks of trials."""
+
+KINDS = ("patch", "scene", *COMPUTED)
 """Sections of which a study has one."""
 
 Axis = Annotated[Mapping[str, Annotated[tuple[Any, ...], Field(min_length=1)]], Field(min_length=1)]
@@ -76,10 +80,10 @@ class Study(Section):
         What it asks, in a sentence.
     sonar
         The sonar.
-    patch, scene, levels
-        What is simulated, or only computed: one of the three.
+    patch, scene, levels, plans
+        What is simulated, or only computed: one of the four.
     estimators
-        What is compared, all on the same echoes; none where nothing is simulated.
+        What is compared, all on the same echoes; none where there are no trials.
     axes
         What is varied. Each is a table of keys with lists of values; keys of one table vary together and their lists
         are as long as each other, and the design points are all combinations of the tables. A key is written with its
@@ -102,6 +106,7 @@ class Study(Section):
     patch: Patch | None = None
     scene: Swath | None = None
     levels: Levels | None = None
+    plans: Plans | None = None
     estimators: tuple[EstimatorSection, ...] = ()
     axes: tuple[Axis, ...] = ()
     points: tuple[Mapping[str, Any], ...] = ()
@@ -145,10 +150,10 @@ class Study(Section):
         if len(given) != 1:
             raise ValueError(f"{' and '.join(given) or 'none'} of {', '.join(KINDS)} is given; it must be one of them")
         for name in ("estimators", "trials"):
-            if (given != ["levels"]) and not (name in self.model_fields_set and getattr(self, name)):
+            if given[0] not in COMPUTED and not (name in self.model_fields_set and getattr(self, name)):
                 raise ValueError(f"{name} is missing; it must be given")
-            if given == ["levels"] and name in self.model_fields_set:
-                raise ValueError(f"{name} is given beside levels; it must not be, as nothing is simulated")
+            if given[0] in COMPUTED and name in self.model_fields_set:
+                raise ValueError(f"{name} is given beside {given[0]}; it must not be, as no trials are simulated")
 
     def check_columns(self, known: Sequence[str]) -> None:
         """ValueError for a column of the summary or a figure that the table does not have."""
@@ -217,7 +222,7 @@ def made(tree: Mapping[str, Any], source: str) -> Study:
 
 
 def load(path: Path) -> Study:
-    """Read a study file.
+    """Read a study file; the files that it names by a relative path lie beside it.
 
     Raises
     ------
@@ -230,4 +235,16 @@ def load(path: Path) -> Study:
         tree = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ValueError(f"{path}: it must be TOML: {error}") from None
-    return made(tree, str(path))
+    return made(_beside(path, tree), str(path))
+
+
+def _beside(path: Path, tree: Any) -> Any:
+    """Nested tables with the files that they name found beside another file."""
+    if isinstance(tree, list):
+        return [_beside(path, part) for part in tree]
+    if not isinstance(tree, dict):
+        return tree
+    found = {key: _beside(path, part) for key, part in tree.items()}
+    if found.get("kind") == "height-map" and isinstance(found.get("file"), str):
+        found["file"] = str(path.parent / found["file"])
+    return found

@@ -10,6 +10,9 @@ from estimators.windows import Window
 from sim import EchoPair, Sonar
 from sim.band import Real
 
+EVERY = np.ones((1, 1), dtype=np.bool_)
+"""All estimates, where each counts."""
+
 
 class Reading(NamedTuple):
     """Errors of an estimate in one region of the echoes.
@@ -22,12 +25,15 @@ class Reading(NamedTuple):
         Delay errors [s], shape (cluster, trial): clusters are independent, the trials of one need not be.
     rows, samples
         Which estimates these are.
+    counted
+        Which of them belong to the region; broadcasts to their shape.
     """
 
     region: str
     errors: Real
     rows: slice
     samples: slice | NDArray[np.bool_]
+    counted: NDArray[np.bool_] = EVERY
 
     def of(self, array: NDArray[Any]) -> NDArray[Any]:
         """The same estimates in another array of the shape of the pair."""
@@ -36,15 +42,15 @@ class Reading(NamedTuple):
 
 
 class World(Protocol):
-    """A patch or a scene. Its rows along track are independent: as many as trials."""
+    """A patch or a scene, of as many rows along track as trials."""
 
     @property
     def true_coherence(self) -> float:
-        """Coherence that noise leaves between the two series."""
+        """Coherence that noise leaves between the two series; NaN where there is not one number."""
 
     @property
     def snr_db(self) -> float:
-        """Signal-to-noise ratio of either receiver that gives this coherence [dB]."""
+        """Signal-to-noise ratio of either receiver that gives this coherence [dB]; NaN likewise."""
 
     def record(self) -> tuple[int, int]:
         """Rows and samples of the window that is asked for as `record`; ValueError where there is none."""

@@ -93,8 +93,9 @@ def test_the_answer_for_silt_at_300_m():
 @pytest.fixture(scope="module")
 def place(tmp_path_factory):
     folder = tmp_path_factory.mktemp("docs")
-    example, *_ = re.findall(r"```toml\n(.*?)```", (DOCS[-1].parent / "study-files.md").read_text(), re.DOTALL)
-    (folder / "my-study.toml").write_text(example)
+    examples = re.findall(r"```toml\n(.*?)```", (DOCS[-1].parent / "study-files.md").read_text(), re.DOTALL)
+    for name, example in zip(("my-study.toml", "my-scene.toml"), examples, strict=False):
+        (folder / name).write_text(example)
     return folder
 
 
