@@ -79,6 +79,8 @@ def _gather(rows: Real, weights: Real, gathered: Real) -> None:
     for start in range(0, rows.shape[1], STRETCH):
         stop = min(start + STRETCH, rows.shape[1])
         for row in range(len(gathered)):
+            total = gathered[row, start:stop]
             for offset in range(len(weights)):
-                for column in range(start, stop):
-                    gathered[row, column] += weights[offset] * rows[row + offset, column]
+                weight, one = weights[offset], rows[row + offset, start:stop]
+                for column in range(len(total)):
+                    total[column] += weight * one[column]

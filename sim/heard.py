@@ -15,17 +15,21 @@ from sim.sonar import Sonar
 class Heard(NamedTuple):
     """Parts of the seabed that a receiver hears; one entry for each part and time.
 
-    `points` where they lie, `sample` which of the times, `stretch` the number of the stretch of seabed, along which
-    arrival times only rise or only fall, that each belongs to, from the near end on.
+    `points` where they lie, at which `ground_range` and `height` [m]; `sample` which of the times; `stretch` the number
+    of the stretch of seabed, along which arrival times only rise or only fall, that each belongs to, from the near end
+    on.
     """
 
     points: SeabedPoints
+    ground_range: Real
+    height: Real
     sample: NDArray[np.int64]
     stretch: NDArray[np.int64]
 
     def chosen(self, which: NDArray[np.bool_]) -> "Heard":
         """Those of them for which `which` holds."""
-        return Heard(self.points.chosen(which), self.sample[which], self.stretch[which])
+        points, ground_range, height, sample, stretch = self
+        return Heard(points.chosen(which), ground_range[which], height[which], sample[which], stretch[which])
 
 
 def heard_at(profile: Profile, sonar: Sonar, times: Real, receiver_altitude: float, *, shadow: bool = True) -> Heard:
@@ -48,7 +52,7 @@ def heard_at(profile: Profile, sonar: Sonar, times: Real, receiver_altitude: flo
     shadow
         False where nothing hides anything, to spare looking for it.
     """
-    segment, share, sample, stretch = _march(
+    segment, share, ground_range, height, sample, stretch = _march(
         profile.ground_range,
         profile.height,
         sonar.sound_speed * times,
@@ -56,18 +60,18 @@ def heard_at(profile: Profile, sonar: Sonar, times: Real, receiver_altitude: flo
         float(receiver_altitude),
         shadow,
     )
-    return Heard(SeabedPoints(segment, share), sample, stretch)
+    return Heard(SeabedPoints(segment, share), ground_range, height, sample, stretch)
 
 
 @compiled
 def _march(
     ground_range: Real, height: Real, path: Real, transmitter: float, receiver: float, shadow: bool
-) -> tuple[NDArray[np.int64], Real, NDArray[np.int64], NDArray[np.int64]]:
-    """Walk along the segments from the near end on; segments, shares, samples and stretches of what is heard."""
+) -> tuple[NDArray[np.int64], Real, Real, Real, NDArray[np.int64], NDArray[np.int64]]:
+    """Walk along the segments from the near end on; the parts of what is heard, in the order of `Heard`."""
     pieces = _pieces(ground_range, height, path, transmitter, receiver)
     most = int(np.sum(pieces[:, 1] - pieces[:, 0]))
     segments, samples, stretches = np.empty(most, np.int64), np.empty(most, np.int64), np.empty(most, np.int64)
-    shares = np.empty(most)
+    shares, ranges, heights = np.empty(most), np.empty(most), np.empty(most)
     count, stretch, before = 0, 0, -1
     highest = np.full(2, -np.inf)
     for segment in range(len(ground_range) - 1):
@@ -96,9 +100,10 @@ def _march(
                         floor = highest[receives] - 1e-12 * abs(highest[receives])
                         seen = seen and (z - altitude) / y >= floor
                 if seen:
-                    segments[count], shares[count], samples[count], stretches[count] = segment, share, sample, stretch
+                    segments[count], samples[count], stretches[count] = segment, sample, stretch
+                    shares[count], ranges[count], heights[count] = share, y, z
                     count += 1
-    return segments[:count], shares[:count], samples[:count], stretches[:count]
+    return segments[:count], shares[:count], ranges[:count], heights[:count], samples[:count], stretches[:count]
 
 
 @compiled

@@ -92,7 +92,7 @@ def level_of_sediment(scene: Scene, sonar: Sonar, profile: Profile, points: Seab
     """
     ground_range, height = profile.position(points)
     depth = sonar.altitude - height
-    slant = np.hypot(ground_range, depth)
+    slant = np.sqrt(ground_range**2 + depth**2)
     along, up = profile.along[points.segment], profile.up[points.segment]
     sine = (along * depth + up * ground_range) / (profile.lengths[points.segment] * slant)
     grazing = np.degrees(np.arcsin(np.clip(sine, -1.0, 1.0)))

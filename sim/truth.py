@@ -36,12 +36,11 @@ def truth(profile: Profile, geometry: Geometry, times: Real, primary: Heard | No
     secondary = heard_at(profile, sonar, times + plane_delay(sonar, times), upper)
     parts, parts_above = (np.bincount(heard.sample, minlength=len(times)) for heard in (primary, secondary))
     common = primary.chosen(sees(profile, primary.points, upper))
-    ground_range, height = profile.position(common.points)
-    delay = geometry.registered_delay(*travel_times(sonar, ground_range, height))
+    delay = geometry.registered_delay(*travel_times(sonar, common.ground_range, common.height))
     unique = (parts == 1) & (parts_above == 1) & (np.bincount(common.sample, minlength=len(times)) == 1)
     alone = unique[common.sample]
     only_delay, only_height = np.full((2, len(times)), np.nan)
-    only_delay[common.sample[alone]], only_height[common.sample[alone]] = delay[alone], height[alone]
+    only_delay[common.sample[alone]], only_height[common.sample[alone]] = delay[alone], common.height[alone]
     return Truth(
         delay=only_delay,
         height=only_height,

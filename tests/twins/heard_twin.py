@@ -48,9 +48,10 @@ def heard_at(profile: Profile, sonar: Sonar, times: Real, receiver_altitude: flo
         piece // 2, _share(profile, altitudes, path[sample], piece // 2, np.where(piece % 2, 1.0, -1.0))
     )
     if not shadow:
-        return Heard(points, sample, stretch[piece])
+        return Heard(points, *profile.position(points), sample, stretch[piece])
     seen = sees(profile, points, sonar.altitude) & sees(profile, points, receiver_altitude)
-    return Heard(points.chosen(seen), sample[seen], stretch[piece[seen]])
+    points = points.chosen(seen)
+    return Heard(points, *profile.position(points), sample[seen], stretch[piece[seen]])
 
 
 def _path(ground_range: Real, height: Real, altitudes: Real) -> Real:
