@@ -25,7 +25,7 @@ def window_sum(array: Numbers, rows: Size, samples: Size, *, circular: bool) -> 
 
     The window of time `t` holds the samples `t - samples // 2` to `t - samples // 2 + samples - 1`, and rows likewise.
     No row lies beyond the array; in time it goes on periodically, or nothing lies beyond it. A bright pixel leaves no
-    rounding error where it is not in the window; with sizes that vary it leaves 1e-31 of itself.
+    rounding error where it is not in the window; with sizes that vary it leaves some 1e-30 of itself at most.
 
     Parameters
     ----------
