@@ -3,6 +3,7 @@
 from estimators import bounds, conformance
 from estimators.cross_correlation import CrossCorrelation
 from estimators.estimate import DelayEstimate, Estimator
+from estimators.height import Height
 from estimators.interferogram import Interferogram
 from estimators.maximum_likelihood import MaximumLikelihood
 from estimators.multi_chromatic import MultiChromatic
@@ -17,6 +18,7 @@ __all__ = [
     "Estimator",
     "FixedWindow",
     "FullBandPhaseSlope",
+    "Height",
     "Interferogram",
     "MaximumLikelihood",
     "MultiChromatic",

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimators.estimate import DelayEstimate
+from estimators.height import Height
 from estimators.peak import passband_peak
 from estimators.search import describe, over_lags, search_range
 from estimators.windows import FixedWindow
@@ -28,14 +29,14 @@ class MaximumLikelihood:
     window
         What to average over.
     search
-        Largest delay to look for [s]; `1 / B` where None. A peak up to a wrap beyond it that is higher than all
+        Largest delay to look for [s], or a `Height`; `1 / B` where None. A peak up to a wrap beyond it that is higher than all
         within is not valid.
     lags_per_resolution
         Lags in `1 / B` between which the correlation is interpolated, at least 4.
     """
 
     window: FixedWindow
-    search: float | None = None
+    search: float | Height | None = None
     lags_per_resolution: int = 4
 
     def __post_init__(self) -> None:

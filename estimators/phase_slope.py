@@ -5,7 +5,11 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Literal
 
+import numpy as np
+
+from estimators.climb import Start, first_from, start_of
 from estimators.estimate import DelayEstimate
+from estimators.height import Height
 from estimators.peak import Index, first_from_zero, strongest
 from estimators.search import describe, search_peaks, search_range
 from estimators.windows import FixedWindow
@@ -21,8 +25,8 @@ class FullBandPhaseSlope:
 
     Paper A sums the frequential cross-correlation matrix of a pixel against a phase slope (equations 15 to 18). That
     sum is `A(t, tau) = p*(t - tau/2) s(t + tau/2)`, which is what is maximised here, and over a window the sum of it.
-    The delay is the first local maximum on a climb from zero delay, as in the paper, or the strongest within the
-    search range.
+    The delay is the first local maximum on a climb from zero delay, as in the paper, or from a prior delay, or the
+    strongest within the search range.
 
     Parameters
     ----------
@@ -33,7 +37,11 @@ class FullBandPhaseSlope:
     refine
         Whether the residual phase refines the delay.
     search
-        Largest delay to look for [s]; `2 / B` where None. A peak on its border is not valid.
+        Largest delay to look for [s], or a `Height`; `2 / B` where None. A peak on its border is not valid.
+    start
+        Where the climb to the first peak begins: another estimator, whose delays it begins at, or delays [s], a number
+        or an array that broadcasts to the pair; zero where None. Beyond the search range it begins at its end. A start
+        that is not a number gives a delay that is not valid.
     lags_per_resolution
         Lags in `1 / B`, at least 4. A coarse climb oversteps narrow ridges: at true delay zero without noise it stays
         on the right one for .762 of single pixels with 8 lags, for .773 with 32, and for .775 in the limit.
@@ -42,16 +50,28 @@ class FullBandPhaseSlope:
     window: FixedWindow = field(default_factory=lambda: FixedWindow(1, 1))
     peak: Literal["first", "strongest"] = "first"
     refine: bool = True
-    search: float | None = None
+    search: float | Height | None = None
     lags_per_resolution: int = 32
+    start: Start | None = None
 
     def __post_init__(self) -> None:
         checks.count("lags_per_resolution", self.lags_per_resolution, least=4)
         if self.peak not in PEAKS:
             raise ValueError(f"peak is {self.peak!r}; it must be one of {', '.join(PEAKS)}")
+        if self.start is not None and self.peak != "first":
+            raise ValueError(
+                f"start is given and peak is {self.peak!r}; it must be 'first', as only a climb has a start"
+            )
 
     def estimate(self, pair: EchoPair) -> DelayEstimate:
         """Estimate the delay at every sample; ValueError where window or search range exceed the pair."""
         search = search_range(pair, self.search, 2.0)
-        peak = search_peaks(pair, self.window, search, self.lags_per_resolution, PEAKS[self.peak], self.refine)
+        if self.start is None:
+            peak = search_peaks(pair, self.window, search, self.lags_per_resolution, PEAKS[self.peak], self.refine)
+            return describe(pair, self.window, peak, refine=self.refine, search=search)
+        start = start_of(self.start, pair)
+        known = np.isfinite(start)
+        near = np.clip(np.where(known, start, 0.0), -search, search)
+        peak = search_peaks(pair, self.window, search, self.lags_per_resolution, first_from, self.refine, near)
+        peak = peak._replace(inside=peak.inside & known)
         return describe(pair, self.window, peak, refine=self.refine, search=search)

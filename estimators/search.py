@@ -6,6 +6,7 @@ import numpy as np
 
 from estimators import bounds
 from estimators.estimate import DelayEstimate
+from estimators.height import Height
 from estimators.lag_product import LagStack, lag_stack, power
 from estimators.peak import STENCIL, Index, Peak, moved_to, peak_at
 from estimators.uncertainty import WrapErrors, debiased_coherence, predicted_std, predicted_wrap_errors
@@ -17,17 +18,19 @@ BLOCK_BYTES = 2**27
 """Size that the lag products of one block of rows may take."""
 
 
-def search_range(pair: EchoPair, search: float | None, resolutions: float) -> float:
-    """Largest delay to look for [s]: as given, or so many times `1 / B`, within half the record.
+def search_range(pair: EchoPair, search: float | Height | None, resolutions: float) -> float:
+    """Largest delay to look for [s]: as given, in delay or height, or so many times `1 / B`, within half the record.
 
     Raises
     ------
     ValueError
-        For a range of 0 or less, or beyond half the record.
+        For a range of 0 or less, or beyond half the record, and for a height of a pair that has none.
     """
     half_record = pair.grid.period / 2
     if search is None:
         return min(resolutions / pair.bandwidth, half_record)
+    if isinstance(search, Height):
+        search = search.delay(pair)
     if checks.positive("search", search, "s") > half_record:
         raise ValueError(f"search is {search:g} s; it must not exceed half the record, {half_record:g} s")
     return search
@@ -38,8 +41,9 @@ def search_peaks(
     window: FixedWindow,
     search: float,
     lags_per_resolution: int,
-    pick: Callable[[Real], Index],
+    pick: Callable[..., Index],
     refine: bool,
+    *starts: Real,
 ) -> Peak:
     """Peak of the magnitude of the windowed lag product at every pixel.
 
@@ -55,16 +59,20 @@ def search_peaks(
     lags_per_resolution
         Lags in `1 / B`, at least 4.
     pick
-        Chooses a lag from the squared magnitudes within the search range, shape (lag, rows, time).
+        Chooses a lag from the squared magnitudes within the search range, shape (lag, rows, time), and the lags nearest
+        to the `starts`, shape (rows, time).
     refine
         Whether the peak is moved to the nearest delay that its phase allows.
+    starts
+        Delays [s] of the pair's shape.
     """
 
-    def find(stack: LagStack, margin: int) -> Peak:
-        peak = peak_at(stack, pick(power(stack.products[margin:-margin])) + margin)
+    def find(stack: LagStack, margin: int, *near: Real) -> Peak:
+        lags = (np.rint(delay / stack.step).astype(np.intp) + stack.reach - margin for delay in near)
+        peak = peak_at(stack, pick(power(stack.products[margin:-margin]), *lags) + margin)
         return moved_to(peak, stack, refined_delay(peak, pair.centre_frequency)) if refine else peak
 
-    return over_lags(pair, window, search, lags_per_resolution, 0.5, find)
+    return over_lags(pair, window, search, lags_per_resolution, 0.5, find, *starts)
 
 
 def over_lags(
