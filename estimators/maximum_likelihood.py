@@ -29,8 +29,8 @@ class MaximumLikelihood:
     window
         What to average over.
     search
-        Largest delay to look for [s], or a `Height`; `1 / B` where None. A peak up to a wrap beyond it that is higher than all
-        within is not valid.
+        Largest delay to look for [s], or a `Height`; `1 / B` where None. A peak up to a wrap beyond it that is
+        higher than all within is not valid.
     lags_per_resolution
         Lags in `1 / B` between which the correlation is interpolated, at least 4.
     """
