@@ -59,9 +59,7 @@ class FullBandPhaseSlope:
         if self.peak not in PEAKS:
             raise ValueError(f"peak is {self.peak!r}; it must be one of {', '.join(PEAKS)}")
         if self.start is not None and self.peak != "first":
-            raise ValueError(
-                f"start is given and peak is {self.peak!r}; it must be 'first', as only a climb has a start"
-            )
+            raise ValueError(f"start is given and peak is {self.peak!r}; it must be 'first', a climb")
 
     def estimate(self, pair: EchoPair) -> DelayEstimate:
         """Estimate the delay at every sample; ValueError where window or search range exceed the pair."""

@@ -51,8 +51,8 @@ def patch(delay, rows=500):
 
 
 def test_from_the_true_delay_every_delay_is_as_good_as_zero():
-    # Theory.md, section 5: a climb that begins at the truth stays in its wrap for .775 of pixels without noise; one from
-    # zero to 0.3 / B ends there for .70. Rows are independent; false-alarm rate 1e-6.
+    # A climb that begins at the truth stays in its wrap for .775 of pixels without noise, where it began at zero and that
+    # was the truth; one from zero to 0.3 / B ends there for .70. Rows are independent; false-alarm rate 1e-6.
     delay = 0.3 / B
     found = FullBandPhaseSlope(refine=False, start=delay).estimate(patch(delay)).delay[:, ::24]
     right = (np.abs(found - delay) < 0.5 / FC).mean(axis=1)
@@ -86,5 +86,5 @@ def test_a_prior_that_is_no_number_gives_nothing_valid_and_one_beyond_the_search
 def test_priors_that_cannot_be():
     with pytest.raises(ValueError, match=r"^start has the shape \(3,\); it must broadcast to that of the pair, .*$"):
         FullBandPhaseSlope(start=np.zeros(3)).estimate(patch(0.0, 2))
-    with pytest.raises(ValueError, match="^start is given and peak is 'strongest'; it must be 'first', .*$"):
+    with pytest.raises(ValueError, match=r"^start is given and peak is 'strongest'; it must be 'first', .*$"):
         FullBandPhaseSlope(start=0.0, peak="strongest")

@@ -56,5 +56,5 @@ def test_heights_that_cannot_be(pair, metres, message):
 
 
 def test_a_pair_without_geometry_has_no_heights(make_patch):
-    with pytest.raises(ValueError, match="^search is 1 m of height; the pair must have a geometry, or .*$"):
+    with pytest.raises(ValueError, match=r"^search is 1 m of height; the pair must have a geometry, or .*$"):
         CrossCorrelation(FixedWindow(1, 9), search=Height(1.0)).estimate(make_patch())
