@@ -3,14 +3,12 @@
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.special import ndtr
+from scipy.special import stdtr
 
-from estimators import bounds
 from estimators.estimate import DelayEstimate
 from estimators.lag_product import power
 from estimators.peak import Peak
 from estimators.search import by_rows, describe
-from estimators.uncertainty import debiased_coherence
 from estimators.windows import FixedWindow
 from sim import EchoPair
 from sim.band import Complex
@@ -45,12 +43,14 @@ class Interferogram:
         """Estimate the delay at every sample; ValueError where the window exceeds the pair.
 
         The predicted wrap-error probability takes the true delay to lie within half a wrap of zero: it is that of
-        Gaussian noise carrying the phase over the edge.
+        noise carrying the phase over the edge, Student's t of `sin(phi) g sqrt(2N - 2) / sqrt(1 - g^2)`.
         """
         peak = by_rows(pair, self.window, 0, 64, lambda p, s: zero_lag(p, s, self.window).spread())
         estimate = describe(pair, self.window, peak, refine=True, search=0.5 / pair.centre_frequency)
-        looks = self.window.looks(pair)
-        std = bounds.phase_crlb(looks, debiased_coherence(estimate.coherence, looks))
-        to_edge = np.pi - np.abs(estimate.phase)
-        crossing = np.where(std > 0, ndtr(-to_edge / np.maximum(std, 1e-300)), 0.0)
-        return replace(estimate, wrap_error_probability=np.minimum(crossing, 0.5))
+        freedom = 2 * (self.window.looks(pair) - 1)
+        to_edge = np.minimum(np.pi - np.abs(estimate.phase), np.pi / 2)
+        strength = np.sqrt(freedom / np.maximum((1 - estimate.coherence) * (1 + estimate.coherence), 1e-300))
+        crossing = np.where(
+            freedom > 0, stdtr(np.maximum(freedom, 1e-3), -estimate.coherence * strength * np.sin(to_edge)), 0.5
+        )
+        return replace(estimate, wrap_error_probability=crossing)

@@ -6,9 +6,11 @@ import numpy as np
 
 from estimators.estimate import DelayEstimate
 from estimators.height import Height
-from estimators.peak import passband_peak
+from estimators.lag_product import LagStack
+from estimators.peak import Peak, passband_peak
 from estimators.search import describe, over_lags, search_range
 from estimators.windows import FixedWindow
+from estimators.wrap_doubt import wrap_doubt
 from sim import EchoPair, checks
 
 
@@ -45,14 +47,13 @@ class MaximumLikelihood:
     def estimate(self, pair: EchoPair) -> DelayEstimate:
         """Estimate the delay at every sample; ValueError where window or search range exceed the pair."""
         search = search_range(pair, self.search, 1.0)
-        peak = over_lags(
-            pair,
-            self.window,
-            search,
-            self.lags_per_resolution,
-            2.0,
-            lambda stack, _: passband_peak(stack, pair.centre_frequency, pair.bandwidth, search),
-        )
+        looks = self.window.looks(pair)
+
+        def find(stack: LagStack, _: int) -> Peak:
+            peak = passband_peak(stack, pair.centre_frequency, pair.bandwidth, search)
+            return peak._replace(doubt=wrap_doubt(stack, peak.delay, looks, pair.centre_frequency, search))
+
+        peak = over_lags(pair, self.window, search, self.lags_per_resolution, 2.0, find)
         # The delay stands as found: at the passband peak the phase of the lag product need not be that of the carrier.
         delay = np.broadcast_to(peak.delay, pair.shape)
         return replace(describe(pair, self.window, peak, refine=True, search=search), delay=delay)

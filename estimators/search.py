@@ -4,13 +4,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from estimators import bounds
 from estimators.estimate import DelayEstimate
 from estimators.height import Height
 from estimators.lag_product import LagStack, lag_stack, power
 from estimators.peak import STENCIL, Index, Peak, moved_to, peak_at
-from estimators.uncertainty import WrapErrors, debiased_coherence, predicted_std, predicted_wrap_errors
+from estimators.posterior import delay_std
+from estimators.uncertainty import debiased_coherence, predicted_std
 from estimators.windows import FixedWindow
+from estimators.wrap_doubt import wrap_doubt
 from sim import EchoPair, checks
 from sim.band import Complex, Real
 
@@ -66,11 +67,13 @@ def search_peaks(
     starts
         Delays [s] of the pair's shape.
     """
+    looks = window.looks(pair)
 
     def find(stack: LagStack, margin: int, *near: Real) -> Peak:
         lags = (np.rint(delay / stack.step).astype(np.intp) + stack.reach - margin for delay in near)
         peak = peak_at(stack, pick(power(stack.products[margin:-margin]), *lags) + margin)
-        return moved_to(peak, stack, refined_delay(peak, pair.centre_frequency)) if refine else peak
+        peak = moved_to(peak, stack, refined_delay(peak, pair.centre_frequency)) if refine else peak
+        return peak._replace(doubt=wrap_doubt(stack, peak.delay, looks, pair.centre_frequency, search))
 
     return over_lags(pair, window, search, lags_per_resolution, 0.5, find, *starts)
 
@@ -110,14 +113,23 @@ def over_lags(
     return by_rows(pair, window, int(np.ceil(2 * reach / factor)), bytes_per_sample, peaks, *beside)
 
 
-def read_at(pair: EchoPair, window: FixedWindow, delay: Real, lags_per_resolution: int) -> Peak:
-    """Windowed lag product at a given delay of every pixel [s], within half the record."""
+def read_at(
+    pair: EchoPair, window: FixedWindow, delay: Real, lags_per_resolution: int, search: float | None = None
+) -> Peak:
+    """Windowed lag product at a given delay of every pixel [s], within half the record.
+
+    Where a search range [s] is given, the wraps within it tell how doubtful that of the delay is.
+    """
+    looks, reach = window.looks(pair), max(float(np.abs(delay).max()), search or 0.0)
 
     def read(stack: LagStack, _: int, near: Real) -> Peak:
         unread = Peak(near, stack.products[0], stack.energies[0], np.ones((), dtype=np.bool_))
-        return moved_to(unread, stack, near).spread()
+        peak = moved_to(unread, stack, near).spread()
+        if search is None:
+            return peak
+        return peak._replace(doubt=wrap_doubt(stack, near, looks, pair.centre_frequency, search))
 
-    return over_lags(pair, window, float(np.abs(delay).max()), lags_per_resolution, 0.0, read, delay)
+    return over_lags(pair, window, reach, lags_per_resolution, 0.0, read, delay)
 
 
 def by_rows(
@@ -177,7 +189,7 @@ def describe(
     *,
     refine: bool,
     search: float,
-    wrap_errors: WrapErrors = bounds.wrap_error_probability,
+    bandwidth: float | None = None,
 ) -> DelayEstimate:
     """Turn peaks into estimates: residual phase, coherence, uncertainty, validity.
 
@@ -191,24 +203,17 @@ def describe(
         Whether the residual phase refines the delay.
     search
         Largest delay that was looked for [s].
-    wrap_errors
-        Predicts the wrap errors of the method.
+    bandwidth
+        Of the flat band that tells the delay as well as the method does without the phase [Hz]; the pair's where None.
     """
     magnitude = np.abs(peak.product)
     has_echo = peak.energy > 0
     coherence = np.minimum(np.divide(magnitude, peak.energy, out=np.zeros_like(magnitude), where=has_echo), 1.0)
     looks = window.looks(pair)
-    debiased = debiased_coherence(coherence, looks)
-    bound = (
-        bounds.coherent_delay_crlb(looks, debiased, pair.centre_frequency, pair.bandwidth)
-        if refine
-        else bounds.group_delay_crlb(looks, debiased, pair.bandwidth)
-    )
+    relative_bandwidth = (bandwidth or pair.bandwidth) / pair.centre_frequency
+    within_wrap = delay_std(coherence, looks, relative_bandwidth, refine=refine) / pair.centre_frequency
     mean_energy = peak.energy.mean()
     brightness = np.divide(peak.energy, peak.energy + mean_energy, out=np.zeros_like(magnitude), where=has_echo)
-    wrong = predicted_wrap_errors(
-        wrap_errors, debiased, looks, pair.bandwidth / pair.centre_frequency, search * pair.centre_frequency
-    )
     return DelayEstimate(
         *(
             np.broadcast_to(array, pair.shape)
@@ -216,8 +221,9 @@ def describe(
                 refined_delay(peak, pair.centre_frequency) if refine else peak.delay,
                 np.pi - np.mod(np.angle(peak.product) + np.pi, 2 * np.pi),
                 coherence,
-                predicted_std(bound, search),
-                wrong,
+                debiased_coherence(coherence, looks),
+                predicted_std(within_wrap, search),
+                peak.doubt,
                 coherence * brightness,
                 window.inside(pair) & peak.inside & has_echo,
             )

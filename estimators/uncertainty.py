@@ -1,15 +1,11 @@
-"""From coherence and looks to the spread and the wrap errors that an estimate has to expect."""
+"""From coherence and looks to the spread that an estimate has to expect."""
 
-from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
 
 from estimators import bounds
 from sim.band import Real
-
-WrapErrors = Callable[[float, Real, float], Real]
-"""Probability of a wrap error from looks, coherence and relative bandwidth."""
 
 NODES = 257
 """Coherences at which predictions are tabulated."""
@@ -32,26 +28,6 @@ def predicted_phase_std(coherence: Real, looks: float) -> Real:
     return std
 
 
-def predicted_wrap_errors(
-    predict: WrapErrors, coherence: Real, looks: float, relative_bandwidth: float, search_wraps: float
-) -> Real:
-    """Probability of a wrong wrap, at most that of a guess within `search_wraps` wraps on either side.
-
-    Interpolates a prediction, `estimators.bounds.wrap_error_probability` or its like, over the coherence.
-    """
-    nodes, probabilities = _wrap_error_table(predict, looks, relative_bandwidth)
-    guess = max(1 - 1 / (2 * search_wraps), 0.0)
-    # Where no prediction holds, at less than a look a sub-band, a guess is all that is left.
-    predicted: Real = np.fmin(np.interp(coherence, nodes, probabilities), guess)
-    return predicted
-
-
-@lru_cache(maxsize=256)
-def _wrap_error_table(predict: WrapErrors, looks: float, relative_bandwidth: float) -> tuple[Real, Real]:
-    nodes = _coherence_nodes()
-    return nodes, predict(looks, nodes, relative_bandwidth)
-
-
 @lru_cache(maxsize=256)
 def _phase_std_table(looks: float) -> tuple[Real, Real]:
     nodes = _coherence_nodes()
@@ -59,6 +35,6 @@ def _phase_std_table(looks: float) -> tuple[Real, Real]:
 
 
 def _coherence_nodes() -> Real:
-    """Even steps in the angle whose sine is the coherence: dense where spread and wrap errors fall fastest."""
+    """Even steps in the angle whose sine is the coherence: dense where the spread falls fastest."""
     nodes: Real = np.sin(np.linspace(0, np.pi / 2, NODES))
     return nodes

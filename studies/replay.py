@@ -48,7 +48,15 @@ def one_trial(study: Study, seed: int, point: int, block: int, trial: int) -> pd
             here = int(np.flatnonzero(of_rows == trial)[0])
             values = {
                 name: reading.of(getattr(made.estimate, name))[here]
-                for name in ("delay", "coherence", "delay_std", "wrap_error_probability", "quality", "valid")
+                for name in (
+                    "delay",
+                    "coherence",
+                    "debiased_coherence",
+                    "delay_std",
+                    "wrap_error_probability",
+                    "quality",
+                    "valid",
+                )
             }
             shown = pd.DataFrame({"delay_error": reading.errors[here], **values})
             shown.insert(0, "region", reading.region)

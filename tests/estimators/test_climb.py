@@ -51,7 +51,8 @@ def patch(delay, rows=500):
 
 
 def test_from_the_true_delay_every_delay_is_as_good_as_zero():
-    # A climb that begins at the truth stays in its wrap for .775 of pixels without noise, as theory says of zero; one from zero to 0.3 / B ends there for .70. Rows are independent; false-alarm rate 1e-6.
+    # A climb that begins at the truth stays in its wrap for .775 of pixels without noise, as theory says of zero;
+    # one from zero to 0.3 / B ends there for .70. Rows are independent; false-alarm rate 1e-6.
     delay = 0.3 / B
     found = FullBandPhaseSlope(refine=False, start=delay).estimate(patch(delay)).delay[:, ::24]
     right = (np.abs(found - delay) < 0.5 / FC).mean(axis=1)
