@@ -93,7 +93,7 @@ def sub_band_doubt(low: Complex, high: Complex, energy: Real, delay: Real, spaci
     energy
         `E`, the largest possible magnitude of their sum, same shape.
     delay
-        That of the phase difference [wraps], same shape.
+        The one that is doubted [wraps], as the phase of the whole band allows it, same shape.
     spacing
         `df / fc`.
     looks
@@ -101,7 +101,8 @@ def sub_band_doubt(low: Complex, high: Complex, energy: Real, delay: Real, spaci
     """
     search = 0.5 / spacing
     most = int(np.ceil(2 * search)) + 1
-    wraps = np.arange(-most, most + 1)
+    # The delay's own wrap first.
+    wraps = np.concatenate([[0], np.arange(1, most + 1), np.arange(-most, 0)])
     distinct, which = np.unique(np.broadcast_to(looks, low.shape[1:]), return_inverse=True)
     tables = np.stack([_mass_table(float(n)) for n in distinct])
     found: Real = _sub_band_doubts(low, high, energy, delay, wraps, spacing, search, distinct, which, tables)
@@ -196,12 +197,15 @@ def _sub_band_doubts(
             n, table, delay = looks[which[time]], tables[which[time]], delays[row, time]
             energy = energies[row, time] if energies[row, time] > 0 else np.inf
             first, second = low[row, time], high[row, time]
-            here = _log_share(min((abs(first) + abs(second)) / energy, 1.0), n, table)
-            odds = 0.0
+            here, odds = 0.0, 0.0
             for m in wraps:
                 share = min(search - abs(delay + m) + 0.5, 1.0)
-                if m != 0 and share > 0:
+                if m == 0 or share > 0:
                     height = abs(first + second * np.exp(2j * np.pi * spacing * (delay + m))) / energy
-                    odds += share * np.exp(min(_log_share(min(height, 1.0), n, table) - here, 700.0))
+                    there = _log_share(min(height, 1.0), n, table)
+                    if m == 0:
+                        here = there
+                    else:
+                        odds += share * np.exp(min(there - here, 700.0))
             found[row, time] = odds / (1 + odds)
     return found
