@@ -35,16 +35,18 @@ def wrap_doubt(stack: LagStack, delay: Real, looks: Looks, centre_frequency: flo
     """Probability that a delay is in a wrong wrap, given the windowed lag products about it.
 
     The wraps `m / fc` from it within the search range compete. With the height `c_m` of the passband correlation's peak
-    in each, its share of the likelihood (`estimators.posterior`) is
+    in each, its share of the likelihood is
 
-        M(c) = [1 + 2F1(N - 1/2, 1/2; 1; c^2)] / 2
-             = 1/2 + (1 - c^2)^(1 - N) / (2 pi) int_0^pi (1 - c^2 sin^2 a)^(N - 3/2) da,
+        M(c) = [1 + 2F1(N - 1, 1/2; 1; c^2)] / 2
+             = 1/2 + (1 - c^2)^(3/2 - N) / (2 pi) int_0^pi (1 - c^2 sin^2 a)^(N - 2) da,
 
-    the mean of `(1 - c^2 cos^2)^-(N - 1/2)` over the half of a wrap where the cosine is positive, and of 1 over the
-    other; at the ends of the range, times the part of the wrap that is within.
+    the mean of `(1 - c^2 cos^2)^-(N - 1)` over the half of a wrap where the cosine is positive, and of 1 over the
+    other; at the ends of the range, times the part of the wrap that is within. That is the likelihood of a delay of
+    circular Gaussian series, their scales and their coherence integrated out: `(1 - gamma^2)^N (1 - gamma c)^(1/2 - 2N)`
+    over gamma, with Fisher's `atanh(gamma)` flat, by Laplace's method about `gamma = c`.
 
-    The prior is flat in the delay over the range and in the amplitude. So what it says is right over many coherences,
-    and not at each: of a high one, which the window does not know of itself, it says too much.
+    The prior is flat in the delay over the range too. So what it says is right over scenes of many coherences, and not
+    at each: of a high one, which the window does not know of itself, it says too much.
 
     Parameters
     ----------
@@ -111,7 +113,7 @@ def sub_band_doubt(low: Complex, high: Complex, energy: Real, delay: Real, spaci
 
 @lru_cache(maxsize=256)
 def _mass_table(looks: float) -> Real:
-    """Log of `1/pi int_0^pi (1 - c^2 sin^2 a)^(N - 3/2) da` at `NODES` even steps of c; about `-log(pi N) / 2` at 1."""
+    """Log of `1/pi int_0^pi (1 - c^2 sin^2 a)^(N - 2) da` at `NODES` even steps of c; about `-log(pi N) / 2` at 1."""
     # Even steps over a period: exact for the polynomials that these are nearly.
     count = 64 + 16 * int(np.sqrt(looks))
     sine = np.sin(np.pi * (np.arange(count) + 0.5) / count)
