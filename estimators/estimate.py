@@ -37,7 +37,8 @@ class DelayEstimate:
         wraps (`estimators.wrap_doubt`). Over scenes of all coherences it is the rate; at a single high coherence, which
         the window does not know, it is on average above it.
     quality
-        0 (worthless) to 1: sample coherence times `I / (I + mean I)`, the brightness `I` of the window.
+        0 (worthless) to 1: the probability that the wrap is right. Of the metrics of `estimators.quality` it tells
+        wrong wraps best.
     valid
         Where the window lay inside the record, held any echo, and the search ended inside its range.
     """

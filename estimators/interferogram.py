@@ -53,4 +53,4 @@ class Interferogram:
         crossing = np.where(
             freedom > 0, stdtr(np.maximum(freedom, 1e-3), -estimate.coherence * strength * np.sin(to_edge)), 0.5
         )
-        return replace(estimate, wrap_error_probability=crossing)
+        return replace(estimate, wrap_error_probability=crossing, quality=1 - crossing)

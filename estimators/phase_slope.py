@@ -1,7 +1,7 @@
 """Full-band phase slope (paper A)."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Literal
 
@@ -10,13 +10,21 @@ import numpy as np
 from estimators.climb import Start, first_from, start_of
 from estimators.estimate import DelayEstimate
 from estimators.height import Height
-from estimators.peak import Index, first_from_zero, strongest
-from estimators.search import describe, search_peaks, search_range
+from estimators.peak import Index, Peak, first_from_zero, strongest
+from estimators.search import describe, read_at, search_peaks, search_range
+from estimators.uncertainty import small_window_std
 from estimators.windows import FixedWindow
 from sim import EchoPair, checks
 from sim.band import Real
 
 PEAKS: Mapping[str, Callable[[Real], Index]] = MappingProxyType({"first": first_from_zero, "strongest": strongest})
+
+
+VOUCHING_LOOKS = 7
+"""Looks of the window that judges an estimate from fewer."""
+
+VOUCHING_LAGS = 4
+"""Lags in `1 / B` at which it is read."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +35,9 @@ class FullBandPhaseSlope:
     sum is `A(t, tau) = p*(t - tau/2) s(t + tau/2)`, which is what is maximised here, and over a window the sum of it.
     The delay is the first local maximum on a climb from zero delay, as in the paper, or from a prior delay, or the
     strongest within the search range.
+
+    A pixel of few looks cannot tell its wrap or spread: its neighbours vouch for it, a window of `VOUCHING_LOOKS`, in
+    whose correlation its wrap has rivals, and whose coherence gives the spread of its phase. The delay is its own.
 
     Parameters
     ----------
@@ -64,12 +75,31 @@ class FullBandPhaseSlope:
     def estimate(self, pair: EchoPair) -> DelayEstimate:
         """Estimate the delay at every sample; ValueError where window or search range exceed the pair."""
         search = search_range(pair, self.search, 2.0)
-        if self.start is None:
-            peak = search_peaks(pair, self.window, search, self.lags_per_resolution, PEAKS[self.peak], self.refine)
+        peak = self._peak(pair, search)
+        wider = vouching(self.window, pair)
+        if wider is None:
             return describe(pair, self.window, peak, refine=self.refine, search=search)
+        around = read_at(pair, wider, np.clip(peak.delay, -search, search), VOUCHING_LAGS, search)
+        estimate = describe(pair, self.window, peak._replace(doubt=around.doubt), refine=self.refine, search=search)
+        if not self.refine:
+            return estimate
+        vouched = describe(pair, wider, around, refine=True, search=search)
+        return replace(estimate, delay_std=small_window_std(vouched, self.window.looks(pair), pair))
+
+    def _peak(self, pair: EchoPair, search: float) -> Peak:
+        if self.start is None:
+            return search_peaks(pair, self.window, search, self.lags_per_resolution, PEAKS[self.peak], self.refine)
         start = start_of(self.start, pair)
         known = np.isfinite(start)
         near = np.clip(np.where(known, start, 0.0), -search, search)
         peak = search_peaks(pair, self.window, search, self.lags_per_resolution, first_from, self.refine, near)
-        peak = peak._replace(inside=peak.inside & known)
-        return describe(pair, self.window, peak, refine=self.refine, search=search)
+        return peak._replace(inside=peak.inside & known)
+
+
+def vouching(window: FixedWindow, pair: EchoPair) -> FixedWindow | None:
+    """A window longer in time, of at least `VOUCHING_LOOKS` where the pair holds them; None for one that has them."""
+    looks = window.looks(pair)
+    if looks >= VOUCHING_LOOKS:
+        return None
+    more = int(np.ceil(VOUCHING_LOOKS / window.rows * pair.sample_rate / pair.bandwidth))
+    return FixedWindow(window.rows, min(max(more | 1, window.samples), pair.shape[1]))

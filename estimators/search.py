@@ -212,8 +212,6 @@ def describe(
     looks = window.looks(pair)
     relative_bandwidth = (bandwidth or pair.bandwidth) / pair.centre_frequency
     within_wrap = delay_std(coherence, looks, relative_bandwidth, refine=refine) / pair.centre_frequency
-    mean_energy = peak.energy.mean()
-    brightness = np.divide(peak.energy, peak.energy + mean_energy, out=np.zeros_like(magnitude), where=has_echo)
     return DelayEstimate(
         *(
             np.broadcast_to(array, pair.shape)
@@ -224,7 +222,7 @@ def describe(
                 debiased_coherence(coherence, looks),
                 predicted_std(within_wrap, search),
                 peak.doubt,
-                coherence * brightness,
+                1 - peak.doubt,
                 window.inside(pair) & peak.inside & has_echo,
             )
         )

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from estimators.estimate import DelayEstimate, Estimator
 from estimators.search import describe, read_at
-from estimators.uncertainty import debiased_coherence, predicted_phase_std
+from estimators.uncertainty import small_window_std
 from estimators.windows import FixedWindow
 from sim import EchoPair, checks
 from sim.band import Real
@@ -27,7 +27,7 @@ class TwoWindow:
     The wrap-error probability is the one that the other estimator claims. The predicted spread is that of the small
     window's phase, from the exact density at its looks; its own coherence tells little of it, and nothing for a single
     pixel, so that the coherence of the other estimator's window is taken where it has a larger one (an attribute
-    `window`). The quality is the product of both. Valid is what both windows find valid.
+    `window`). So is the quality. Valid is what both windows find valid.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ class TwoWindow:
             narrow,
             delay_std=self._delay_std(pair, wide, narrow),
             wrap_error_probability=wide.wrap_error_probability,
-            quality=wide.quality * narrow.quality,
+            quality=wide.quality,
             valid=wide.valid & narrow.valid & within,
         )
 
@@ -67,10 +67,7 @@ class TwoWindow:
         looks = self.phase.looks(pair)
         around = getattr(self.wrap, "window", None)
         larger = around.looks(pair) if isinstance(around, FixedWindow) else 0.0
-        source, independent = (wide, larger) if larger > looks else (narrow, looks)
-        coherence = debiased_coherence(source.coherence, independent)
-        std: Real = predicted_phase_std(coherence, looks) / (2 * np.pi * pair.centre_frequency)
-        return std
+        return small_window_std(wide if larger > looks else narrow, looks, pair)
 
 
 def _readable(delay: Real, pair: EchoPair) -> NDArray[np.bool_]:

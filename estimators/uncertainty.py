@@ -5,6 +5,8 @@ from functools import lru_cache
 import numpy as np
 
 from estimators import bounds
+from estimators.estimate import DelayEstimate
+from sim import EchoPair
 from sim.band import Real
 
 NODES = 257
@@ -25,6 +27,12 @@ def predicted_std(bound: Real, search: float) -> Real:
 def predicted_phase_std(coherence: Real, looks: float) -> Real:
     """Standard deviation of a multilook phase [rad], `estimators.bounds.multilook_phase_std` over the coherence."""
     std: Real = np.interp(coherence, *_phase_std_table(looks))
+    return std
+
+
+def small_window_std(vouched: DelayEstimate, looks: float, pair: EchoPair) -> Real:
+    """Standard deviation of the delay [s] from the phase of a window of few looks, whose coherence a larger one tells."""
+    std: Real = predicted_phase_std(vouched.debiased_coherence, looks) / (2 * np.pi * pair.centre_frequency)
     return std
 
 

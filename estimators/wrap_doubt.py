@@ -67,6 +67,8 @@ def wrap_doubt(stack: LagStack, delay: Real, looks: Looks, centre_frequency: flo
         Shape (rows, time).
     """
     shape = stack.products.shape[1:]
+    if np.max(looks) <= 1:
+        return np.full(shape, max(1 - 1 / (2 * search * centre_frequency), 0.0))
     # A record that is not periodic has been continued.
     of_time = np.broadcast_to(looks, shape[1:]) if np.ndim(looks) == 0 else np.resize(looks, shape[1])
     distinct, which = np.unique(of_time, return_inverse=True)
@@ -151,8 +153,9 @@ def _peak_height(products: Any, energies: Any, row: int, time: int, lag: float, 
     product = 0j
     for k in range(2 * STENCIL + 1):
         product += weights[k] * products[place - STENCIL + k, row, time]
-    energy = energies[place, row, time]
-    energy += abs(lag - nearest) * (energies[place + (1 if lag > nearest else -1), row, time] - energy)
+    share = lag - nearest
+    energy, before, after = energies[place, row, time], energies[place - 1, row, time], energies[place + 1, row, time]
+    energy += share / 2 * (after - before + share * (after + before - 2 * energy))
     return min(abs(product) / energy, 1.0) if energy > 0 else 0.0
 
 
