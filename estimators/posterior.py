@@ -53,7 +53,7 @@ def delay_std(coherence: Real, looks: Looks, relative_bandwidth: float, *, refin
 
 
 def read_by_looks(coherence: Real, looks: Looks, table: Callable[[float], tuple[Real, Real]]) -> Real:
-    """A table over the angle whose sine is the coherence, of one number of looks or of each distinct one, at its times."""
+    """A table over the angle whose sine is the coherence, for one number of looks or each distinct one at its times."""
     distinct, which = np.unique(looks, return_inverse=True)
     if len(distinct) == 1:
         read: Real = np.interp(np.arcsin(coherence), *table(float(distinct[0])))

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from estimators.estimate import DelayEstimate
 from estimators.lag_product import LagStack, power
@@ -59,8 +60,8 @@ def peak_ratio(pair: EchoPair, estimate: DelayEstimate, window: FixedWindow) -> 
 def curvature(pair: EchoPair, estimate: DelayEstimate, window: FixedWindow) -> Real:
     """`k / (k + 1)` of the curvature `k` of the squared magnitude at the delay, in units of a flat band's.
 
-    `k = -(|C|^2)'' / |C|^2 / (2 pi^2 B^2 / 3)`: that of `sinc^2(B tau)` at zero is `2 pi^2 B^2 / 3`. Where it is negative
-    the metric is 0.
+    `k = -(|C|^2)'' / |C|^2 / (2 pi^2 B^2 / 3)`, as that of `sinc^2(B tau)` at zero is `2 pi^2 B^2 / 3`; 0 where it is
+    negative.
     """
     delay = _readable(pair, estimate)
 
@@ -76,20 +77,15 @@ def curvature(pair: EchoPair, estimate: DelayEstimate, window: FixedWindow) -> R
 
 
 def agreement(pair: EchoPair, estimate: DelayEstimate, window: FixedWindow) -> Real:
-    """Share of the other pixels in the window whose delays lie within half a wrap of this one's; 1 where it is alone."""
+    """Share of the other pixels in the window whose delays lie within half a wrap of this one's; 1 for one alone."""
     delay, limit = estimate.delay, 0.5 / pair.centre_frequency
-    rows, samples = pair.shape
+    rows, samples = (np.arange(n) for n in pair.shape)
     agree, asked = np.zeros(pair.shape), np.zeros(pair.shape)
     for along in range(-(window.rows // 2), window.rows - window.rows // 2):
         for across in range(-(window.samples // 2), window.samples - window.samples // 2):
             if (along, across) == (0, 0):
                 continue
-            there = (
-                np.zeros(rows, dtype=bool)[:, None]
-                | ((np.arange(rows) + along >= 0) & (np.arange(rows) + along < rows))[:, None]
-            )
-            at = np.arange(samples) + across
-            there = there & (pair.circular | ((at >= 0) & (at < samples)))[None]
+            there = _held(rows + along)[:, None] & (_held(samples + across) | pair.circular)
             other = np.roll(delay, (-along, -across), axis=(0, 1))
             agree += there & (np.abs(other - delay) < limit)
             asked += there
@@ -102,7 +98,7 @@ METRICS: Mapping[str, Metric] = MappingProxyType(
 """All of them by name."""
 
 
-def roc_area(metric: Real, right: Real) -> tuple[float, float]:
+def roc_area(metric: Real, right: ArrayLike) -> tuple[float, float]:
     """Area under the receiver operating characteristic of a metric, and its standard error for independent pixels.
 
     The chance that a right estimate has a higher metric than a wrong one, ties counting half (Mann and Whitney); the
@@ -120,8 +116,8 @@ def roc_area(metric: Real, right: Real) -> tuple[float, float]:
     area, error
         NaN where all are right, or none.
     """
-    right = np.asarray(right, dtype=bool).ravel()
-    good, bad = metric.ravel()[right], metric.ravel()[~right]
+    is_right = np.asarray(right, dtype=np.bool_).ravel()
+    good, bad = metric.ravel()[is_right], metric.ravel()[~is_right]
     if not (good.size > 1 and bad.size > 1):
         return np.nan, np.nan
     # Share of the wrong ones below each right one, and of the right ones above each wrong one.
@@ -129,6 +125,11 @@ def roc_area(metric: Real, right: Real) -> tuple[float, float]:
     above = 1 - _midranks(bad, good) / good.size
     variance = below.var(ddof=1) / good.size + above.var(ddof=1) / bad.size
     return float(below.mean()), float(np.sqrt(variance))
+
+
+def _held(places: NDArray[np.intp]) -> NDArray[np.bool_]:
+    held: NDArray[np.bool_] = (places >= 0) & (places < len(places))
+    return held
 
 
 def _midranks(values: Real, among: Real) -> Real:

@@ -31,7 +31,7 @@ def predicted_phase_std(coherence: Real, looks: float) -> Real:
 
 
 def small_window_std(vouched: DelayEstimate, looks: float, pair: EchoPair) -> Real:
-    """Standard deviation of the delay [s] from the phase of a window of few looks, whose coherence a larger one tells."""
+    """Standard deviation of the delay [s] from the phase of a few looks, whose coherence a larger window tells."""
     std: Real = predicted_phase_std(vouched.debiased_coherence, looks) / (2 * np.pi * pair.centre_frequency)
     return std
 

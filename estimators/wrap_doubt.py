@@ -42,8 +42,10 @@ def wrap_doubt(stack: LagStack, delay: Real, looks: Looks, centre_frequency: flo
 
     the mean of `(1 - c^2 cos^2)^-(N - 1)` over the half of a wrap where the cosine is positive, and of 1 over the
     other; at the ends of the range, times the part of the wrap that is within. That is the likelihood of a delay of
-    circular Gaussian series, their scales and their coherence integrated out: `(1 - gamma^2)^N (1 - gamma c)^(1/2 - 2N)`
-    over gamma, with Fisher's `atanh(gamma)` flat, by Laplace's method about `gamma = c`.
+    circular Gaussian series, their scales and their coherence integrated out: that of gamma, which goes as
+    `(1 - gamma^2)^N (1 - gamma c)^(1/2 - 2N)`, with Fisher's `atanh(gamma)` flat, by Laplace's method about `gamma = c`.
+    As the wraps are taken to be periods of the carrier, it is within .1 of the integral at 5 looks, and within .005 at
+    half of all records.
 
     The prior is flat in the delay over the range too. So what it says is right over scenes of many coherences, and not
     at each: of a high one, which the window does not know of itself, it says too much.

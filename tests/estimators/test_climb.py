@@ -38,7 +38,7 @@ def test_the_climb_is_a_walk(reach, seed):
     np.testing.assert_array_equal(first_from(heights, np.full((2, 3), reach)), first_from_zero(heights))
 
 
-def patch(delay, rows=500):
+def patch(delay, rows=200):
     return speckle_pair(
         (rows, 512),
         coherence=1.0,
