@@ -213,5 +213,7 @@ def _polynomial(coefficients: Complex, x: Real) -> tuple[Complex, Complex, Compl
 def _between(energies: Real, index: Index, share: Real) -> Real:
     """Energy between lags, on a parabola: a straight line lies so far off that coherences of .999 come out as 1."""
     here, before, after = (np.take_along_axis(energies, (index + step)[None], axis=0)[0] for step in (0, -1, 1))
-    parabola: Real = here + share / 2 * (after - before + share * (after + before - 2 * here))
-    return parabola
+    parabola = here + share / 2 * (after - before + share * (after + before - 2 * here))
+    # Of a single dark pixel it may undershoot.
+    least: Real = np.maximum(parabola, np.minimum(here, np.minimum(before, after)))
+    return least

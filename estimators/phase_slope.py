@@ -83,8 +83,8 @@ class FullBandPhaseSlope:
         estimate = describe(pair, self.window, peak._replace(doubt=around.doubt), refine=self.refine, search=search)
         if not self.refine:
             return estimate
-        vouched = describe(pair, wider, around, refine=True, search=search)
-        return replace(estimate, delay_std=small_window_std(vouched, self.window.looks(pair), pair))
+        vouched = describe(pair, wider, around, refine=True, search=search).debiased_coherence
+        return replace(estimate, delay_std=small_window_std(pair, peak, self.window, wider, vouched))
 
     def _peak(self, pair: EchoPair, search: float) -> Peak:
         if self.start is None:

@@ -52,6 +52,27 @@ def delay_std(coherence: Real, looks: Looks, relative_bandwidth: float, *, refin
     return read_by_looks(coherence, looks, lambda n: _widths(n, bandwidth)) / NORMAL_95
 
 
+def phase_std(concentration: Real) -> Real:
+    """Half of the 95 % interval of a phase of von Mises' density `exp(k cos(phi))`, over 1.96 [rad]."""
+    log_k, widths = _von_mises_widths()
+    width: Real = np.exp(np.interp(np.log(np.maximum(concentration, 1e-30)), log_k, widths))
+    return width / NORMAL_95
+
+
+@lru_cache(maxsize=1)
+def _von_mises_widths() -> tuple[Real, Real]:
+    """Log of the half-width of 95 % [rad] over that of the concentration."""
+    log_k = np.linspace(np.log(1e-2), np.log(1e12), 257)
+    phase = np.concatenate([[0.0], np.geomspace(1e-8, np.pi, 2000)])
+    density = np.exp(-2 * np.exp(log_k)[:, None] * np.sin(phase / 2) ** 2)
+    return log_k, np.log([np.interp(0.95 * line[-1], line, phase) for line in _cumulated(density, phase)])
+
+
+def _cumulated(density: Real, at: Real) -> Real:
+    steps = np.diff(at) * (density[:, 1:] + density[:, :-1]) / 2
+    return np.pad(np.cumsum(steps, axis=1), ((0, 0), (1, 0)))
+
+
 def read_by_looks(coherence: Real, looks: Looks, table: Callable[[float], tuple[Real, Real]]) -> Real:
     """A table over the angle whose sine is the coherence, for one number of looks or each distinct one at its times."""
     distinct, which = np.unique(looks, return_inverse=True)
@@ -80,6 +101,5 @@ def _widths(looks: float, relative_bandwidth: float) -> tuple[Real, Real]:
     fading = (np.sin(angles[:-1, None]) * np.maximum(shape, 0.0)) ** 2
     power = looks - (0.5 if refined else 1.0)
     likelihood = np.exp(power * (np.log1p(-fading[:, :1]) - np.log1p(-fading)))
-    steps = np.diff(delay) * (likelihood[:, 1:] + likelihood[:, :-1]) / 2
-    held = np.pad(np.cumsum(steps, axis=1), ((0, 0), (1, 0)))
+    held = _cumulated(likelihood, delay)
     return angles, np.array([*(np.interp(0.95 * line[-1], line, delay) for line in held), 0.0])

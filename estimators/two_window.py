@@ -24,10 +24,10 @@ class TwoWindow:
     off centre; read again at the delay found, dark pixels, where it is far off, would do worse. (Combining neighbours
     for the wrap alone is what paper A leaves as future work.)
 
-    The wrap-error probability is the one that the other estimator claims. The predicted spread is that of the small
-    window's phase, from the exact density at its looks; its own coherence tells little of it, and nothing for a single
+    The wrap-error probability and the quality are those that the other estimator claims. The predicted spread is that of
+    the small window's phase, given how bright it is; its own coherence tells little of it, and nothing for a single
     pixel, so that the coherence of the other estimator's window is taken where it has a larger one (an attribute
-    `window`). So is the quality. Valid is what both windows find valid.
+    `window`). Valid is what both windows find valid.
 
     Parameters
     ----------
@@ -55,19 +55,17 @@ class TwoWindow:
         near = np.where(within, wide.delay, 0.0)
         peak = read_at(pair, self.phase, near, self.lags_per_resolution)
         narrow = describe(pair, self.phase, peak, refine=True, search=0.5 / pair.centre_frequency)
+        window, coherence = self.phase, narrow.debiased_coherence
+        around = getattr(self.wrap, "window", None)
+        if isinstance(around, FixedWindow) and around.looks(pair) > self.phase.looks(pair):
+            window, coherence = around, wide.debiased_coherence
         return replace(
             narrow,
-            delay_std=self._delay_std(pair, wide, narrow),
+            delay_std=small_window_std(pair, peak, self.phase, window, coherence),
             wrap_error_probability=wide.wrap_error_probability,
             quality=wide.quality,
             valid=wide.valid & narrow.valid & within,
         )
-
-    def _delay_std(self, pair: EchoPair, wide: DelayEstimate, narrow: DelayEstimate) -> Real:
-        looks = self.phase.looks(pair)
-        around = getattr(self.wrap, "window", None)
-        larger = around.looks(pair) if isinstance(around, FixedWindow) else 0.0
-        return small_window_std(wide if larger > looks else narrow, looks, pair)
 
 
 def _readable(delay: Real, pair: EchoPair) -> NDArray[np.bool_]:

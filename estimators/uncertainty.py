@@ -1,16 +1,14 @@
 """From coherence and looks to the spread that an estimate has to expect."""
 
-from functools import lru_cache
-
 import numpy as np
 
 from estimators import bounds
-from estimators.estimate import DelayEstimate
+from estimators.lag_product import power
+from estimators.peak import Peak
+from estimators.posterior import phase_std
+from estimators.windows import FixedWindow
 from sim import EchoPair
 from sim.band import Real
-
-NODES = 257
-"""Coherences at which predictions are tabulated."""
 
 
 def debiased_coherence(sample_coherence: Real, looks: float) -> Real:
@@ -24,25 +22,29 @@ def predicted_std(bound: Real, search: float) -> Real:
     return std
 
 
-def predicted_phase_std(coherence: Real, looks: float) -> Real:
-    """Standard deviation of a multilook phase [rad], `estimators.bounds.multilook_phase_std` over the coherence."""
-    std: Real = np.interp(coherence, *_phase_std_table(looks))
+def small_window_std(pair: EchoPair, peak: Peak, small: FixedWindow, large: FixedWindow, coherence: Real) -> Real:
+    """Standard deviation of the delay [s] from the phase of a small window, whose coherence a large one tells.
+
+    Given the magnitudes in the small window the phase has von Mises' density, of concentration
+    `2 gamma |C| / ((1 - gamma^2) E)` with the product `C` summed over its looks and the mean energy `E` of a look:
+    dark pixels have poor phases.
+
+    Parameters
+    ----------
+    pair
+        The echoes.
+    peak
+        The small window's lag product at the delay.
+    small, large
+        The windows.
+    coherence
+        The large window's, debiased, shape (rows, time).
+    """
+    around = np.sqrt(large.sum(power(pair.primary))) * np.sqrt(large.sum(power(pair.secondary)))
+    # The peak may be on another scale than the pair.
+    mean = around / around.mean() * peak.energy.mean() if around.mean() > 0 else np.zeros_like(around)
+    relative = np.divide(np.abs(peak.product), mean, out=np.zeros(pair.shape), where=mean > 0)
+    noise = np.maximum((1 - coherence) * (1 + coherence), 1e-300)
+    concentration = 2 * coherence / noise * relative * small.looks(pair)
+    std: Real = phase_std(concentration) / (2 * np.pi * pair.centre_frequency)
     return std
-
-
-def small_window_std(vouched: DelayEstimate, looks: float, pair: EchoPair) -> Real:
-    """Standard deviation of the delay [s] from the phase of a few looks, whose coherence a larger window tells."""
-    std: Real = predicted_phase_std(vouched.debiased_coherence, looks) / (2 * np.pi * pair.centre_frequency)
-    return std
-
-
-@lru_cache(maxsize=256)
-def _phase_std_table(looks: float) -> tuple[Real, Real]:
-    nodes = _coherence_nodes()
-    return nodes, bounds.multilook_phase_std(looks, nodes)
-
-
-def _coherence_nodes() -> Real:
-    """Even steps in the angle whose sine is the coherence: dense where the spread falls fastest."""
-    nodes: Real = np.sin(np.linspace(0, np.pi / 2, NODES))
-    return nodes

@@ -43,7 +43,7 @@ def wrap_doubt(stack: LagStack, delay: Real, looks: Looks, centre_frequency: flo
     the mean of `(1 - c^2 cos^2)^-(N - 1)` over the half of a wrap where the cosine is positive, and of 1 over the
     other; at the ends of the range, times the part of the wrap that is within. That is the likelihood of a delay of
     circular Gaussian series, their scales and their coherence integrated out: that of gamma, which goes as
-    `(1 - gamma^2)^N (1 - gamma c)^(1/2 - 2N)`, with Fisher's `atanh(gamma)` flat, by Laplace's method about `gamma = c`.
+    `(1 - gamma^2)^N (1 - gamma c)^(1/2 - 2N)`, with a flat `atanh(gamma)`, by Laplace's method about `gamma = c`.
     As the wraps are taken to be periods of the carrier, it is within .1 of the integral at 5 looks, and within .005 at
     half of all records.
 
@@ -156,8 +156,9 @@ def _peak_height(products: Any, energies: Any, row: int, time: int, lag: float, 
     for k in range(2 * STENCIL + 1):
         product += weights[k] * products[place - STENCIL + k, row, time]
     share = lag - nearest
-    energy, before, after = energies[place, row, time], energies[place - 1, row, time], energies[place + 1, row, time]
-    energy += share / 2 * (after - before + share * (after + before - 2 * energy))
+    here, before, after = energies[place, row, time], energies[place - 1, row, time], energies[place + 1, row, time]
+    parabola = here + share / 2 * (after - before + share * (after + before - 2 * here))
+    energy = max(parabola, min(here, before, after))
     return min(abs(product) / energy, 1.0) if energy > 0 else 0.0
 
 

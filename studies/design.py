@@ -11,6 +11,7 @@ import pandas as pd
 from pydantic import ValidationError
 
 from sim import Sonar
+from studies.experiment import Experiment
 from studies.levels import Levels
 from studies.method import Method, methods_of
 from studies.patch import Patch
@@ -81,9 +82,9 @@ def points(study: Study) -> Iterator[Point]:
 
 
 def computed(study: Study) -> Iterator[tuple[Mapping[str, Any], pd.DataFrame]]:
-    """Of a study that simulates nothing, what varies at each design point, by column, and the table there."""
+    """Of a study without trials, what varies at each design point, by column, and the table there."""
     for found in _resolved(study):
-        assert isinstance(found.section, Levels)
+        assert isinstance(found.section, Levels | Experiment)
         yield columns_of(found.varied), found.section.table(found.sonar)
 
 

@@ -102,7 +102,10 @@ def check(study: Study) -> list[Point]:
             imported(section.draw, "draw")
     if study.answer is not None:
         imported(study.answer, "answer")
-    if study.kind == "levels":
+    if not study.simulates:
+        if study.experiment is not None:
+            imported(study.experiment.measure, "measure")
+            return []
         for columns, table in computed(study):
             study.check_columns([*columns, *table.columns])
         return []

@@ -67,8 +67,8 @@ def one_trial(study: Study, seed: int, point: int, block: int, trial: int) -> pd
 
 
 def _task(study: Study, point: int, block: int) -> Task:
-    if study.kind == "levels":
-        raise ValueError(f"{study.name} simulates nothing; it has no blocks")
+    if not study.simulates:
+        raise ValueError(f"{study.name} has no trials; it has no blocks")
     design = list(points(study))
     _check("point", point, len(design))
     _check("block", block, blocks(study))

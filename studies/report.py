@@ -75,7 +75,7 @@ def result(study: Study, store: Store) -> Result:
     ValueError
         Where no block is there.
     """
-    if study.kind == "levels":
+    if not study.simulates:
         tables = [found.assign(**columns)[[*columns, *found.columns]] for columns, found in computed(study)]
         return Result(pd.concat(tables, ignore_index=True), pd.DataFrame(), pd.DataFrame(), [])
     rows: list[dict[str, Any]] = []

@@ -59,8 +59,8 @@ def merge(folder: Path, parts: Sequence[Path]) -> pd.DataFrame:
 def _take_over(folder: Path, part: Path) -> None:
     """Add the blocks of a shard to those of a folder, a file for each point."""
     study, seed = manifest.study_of(part)
-    if study.kind == "levels":
-        raise ValueError(f"{part} holds a study that simulates nothing; it has no blocks")
+    if not study.simulates:
+        raise ValueError(f"{part} holds a study that has no trials; it has no blocks")
     manifest.begin(study, seed, folder)
     here, there = store_of(study, seed, folder), store_of(study, seed, part)
     for point in points(study):

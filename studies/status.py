@@ -13,8 +13,8 @@ from studies.study import Study
 
 def status(study: Study, seed: int, folder: Path) -> pd.DataFrame:
     """Blocks of each design point that are there with all estimators, that are missing, and that hold failures."""
-    if study.kind == "levels":
-        raise ValueError(f"{folder} holds a study that simulates nothing; it has no blocks")
+    if not study.simulates:
+        raise ValueError(f"{folder} holds a study that has no trials; it has no blocks")
     store, rows = store_of(study, seed, folder), []
     for point in points(study):
         found = {method.labels: Standing(study) for method in methods(study, point)}

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Self
 from pydantic import Field, ValidationError, model_validator
 
 from studies.drawing import FigureSection, SummarySection, check_columns
+from studies.experiment import Experiment
 from studies.levels import Levels
 from studies.method import EstimatorSection
 from studies.patch import Patch
@@ -59,7 +60,7 @@ class Trials(Section):
     until: Until | None = None
 
 
-KINDS = ("patch", "scene", "levels")
+KINDS = ("patch", "scene", "levels", "experiment")
 """Sections of which a study has one."""
 
 Axis = Annotated[Mapping[str, Annotated[tuple[Any, ...], Field(min_length=1)]], Field(min_length=1)]
@@ -76,8 +77,8 @@ class Study(Section):
         What it asks, in a sentence.
     sonar
         The sonar.
-    patch, scene, levels
-        What is simulated, or only computed: one of the three.
+    patch, scene, levels, experiment
+        What is simulated trial by trial, only computed, or measured by a function of one's own: one of the four.
     estimators
         What is compared, all on the same echoes; none where nothing is simulated.
     axes
@@ -102,6 +103,7 @@ class Study(Section):
     patch: Patch | None = None
     scene: Swath | None = None
     levels: Levels | None = None
+    experiment: Experiment | None = None
     estimators: tuple[EstimatorSection, ...] = ()
     axes: tuple[Axis, ...] = ()
     points: tuple[Mapping[str, Any], ...] = ()
@@ -139,16 +141,21 @@ class Study(Section):
         """Name of the section that says what is simulated or computed."""
         return next(name for name in KINDS if getattr(self, name) is not None)
 
+    @property
+    def simulates(self) -> bool:
+        """Whether it has trials, in blocks that are stored."""
+        return self.kind in ("patch", "scene")
+
     def _check_what(self) -> None:
         """ValueError unless one thing is simulated or computed, with what that needs."""
         given = [name for name in KINDS if getattr(self, name) is not None]
         if len(given) != 1:
             raise ValueError(f"{' and '.join(given) or 'none'} of {', '.join(KINDS)} is given; it must be one of them")
         for name in ("estimators", "trials"):
-            if (given != ["levels"]) and not (name in self.model_fields_set and getattr(self, name)):
+            if self.simulates and not (name in self.model_fields_set and getattr(self, name)):
                 raise ValueError(f"{name} is missing; it must be given")
-            if given == ["levels"] and name in self.model_fields_set:
-                raise ValueError(f"{name} is given beside levels; it must not be, as nothing is simulated")
+            if not self.simulates and name in self.model_fields_set:
+                raise ValueError(f"{name} is given beside {given[0]}; it must not be, as there are no trials")
 
     def check_columns(self, known: Sequence[str]) -> None:
         """ValueError for a column of the summary or a figure that the table does not have."""

@@ -49,7 +49,7 @@ def test_a_computed_study_writes_what_others_do(levels):
     for name in ("table.csv", "manifest.json", "report.html", "figures/snr.png", "figures/scattering-strength.png"):
         assert (folder / name).is_file()
     assert "coarse sand 65 dB (to -6.4 dB)" in report.answer(study, found)
-    with pytest.raises(ValueError, match="simulates nothing; it has no blocks"):
+    with pytest.raises(ValueError, match="has no trials; it has no blocks"):
         one_block(study, 1, 0, 0)
 
 
