@@ -24,7 +24,7 @@ class TwoWindow:
     off centre; read again at the delay found, dark pixels, where it is far off, would do worse. (Combining neighbours
     for the wrap alone is what paper A leaves as future work.)
 
-    The wrap-error probability and the quality are those that the other estimator claims. The predicted spread is that of
+    Wrap-error probability and quality are those that the other estimator claims. The predicted spread is that of
     the small window's phase, given how bright it is; its own coherence tells little of it, and nothing for a single
     pixel, so that the coherence of the other estimator's window is taken where it has a larger one (an attribute
     `window`). Valid is what both windows find valid.
