@@ -19,10 +19,14 @@ WINDOWS = tuple(FixedWindow(1, samples) for samples in (1, 3, 5, 9, 17, 33, 65, 
 class CombinedNeighbours:
     """Mean delay of the smallest window around each pixel whose predicted spread is small enough.
 
-    Delays are weighted by the probability that their wrap is right over the variance that they claim,
-    `w = (1 - p) / sigma^2`, so that outliers, which know of themselves, hardly count. With `n` pixels and `L` looks in
-    the window, and `l` looks in the estimator's own, `L / l` of them are independent, and the mean has the variance
-    `n l / (L sum w)`, never below that of a single one where `L < l`.
+    Delays are weighted by the probability `1 - p` that their wrap is right, so that outliers, which know of themselves,
+    hardly count. Of `n` pixels and `L` looks in the window, and `l` looks in the estimator's own, `L / l` are taken to
+    be independent, at least one: the mean has the mean variance that they claim, times `l / L`. What single pixels
+    claim tells the dark from the bright, where of windows it is mostly chance: they are weighted by `(1 - p) / sigma^2`
+    instead, for the variance `n l / (L sum w)`.
+
+    The delay is the circular mean of the carrier's phases, in the wrap of the mean delay: of a neighbour in a wrong
+    wrap, which the weights leave a little of, the phase is right all the same.
 
     A pixel that no window makes accurate enough keeps the mean over the largest, with the spread that it has, and is
     not valid. That errors within the wrap are independent but for what windows share is taken on trust; where the
@@ -72,7 +76,8 @@ def _combined(pair: EchoPair, single: DelayEstimate, window: FixedWindow, looks:
     known = single.valid & np.isfinite(single.delay) & np.isfinite(single.delay_std)
     # In wraps, and none so sure that all others are lost in rounding.
     variance = np.maximum(np.where(known, single.delay_std, wrap) / wrap, 1e-6) ** 2
-    weight = np.where(known, np.clip(1 - single.wrap_error_probability, 0.0, 1.0) / variance, 0.0)
+    trust = np.where(known, np.clip(1 - single.wrap_error_probability, 0.0, 1.0), 0.0)
+    weight = trust / variance if looks < 2 else trust
     total = window.sum(weight)
 
     def mean(of: Real) -> Real:
@@ -80,14 +85,20 @@ def _combined(pair: EchoPair, single: DelayEstimate, window: FixedWindow, looks:
         return np.broadcast_to(np.divide(summed, total, out=np.zeros_like(total), where=total > 0), pair.shape)
 
     independent = max(window.looks(pair) / looks, 1.0)
-    pixels = window.rows * window.samples
-    spread = np.sqrt(np.divide(pixels, independent * total, out=np.full_like(total, 1 / 12), where=total > 0))
+    if looks < 2:
+        pixels = window.rows * window.samples
+        claimed = np.divide(pixels, total, out=np.full_like(total, 1 / 12), where=total > 0)
+    else:
+        claimed = np.where(total > 0, mean(variance), 1 / 12)
+    near = mean(single.delay)
+    phasors = window.sum(weight * np.exp(2j * np.pi * np.where(known, single.delay, 0.0) / wrap))
+    turns = np.angle(phasors) / (2 * np.pi)
     wrong = np.where(total > 0, mean(single.wrap_error_probability), 1.0)
     return {
-        "delay": mean(single.delay),
+        "delay": near + (turns - near / wrap - np.rint(turns - near / wrap)) * wrap,
         "coherence": mean(single.coherence),
         "debiased_coherence": mean(single.debiased_coherence),
-        "delay_std": np.broadcast_to(wrap * spread, pair.shape),
+        "delay_std": np.broadcast_to(wrap * np.sqrt(claimed / independent), pair.shape),
         "wrap_error_probability": wrong,
         "quality": 1 - wrong,
         "valid": (window.inside(pair) & (total > 0)).astype(float),

@@ -44,7 +44,9 @@ def small_window_std(pair: EchoPair, peak: Peak, small: FixedWindow, large: Fixe
     # The peak may be on another scale than the pair.
     mean = around / around.mean() * peak.energy.mean() if around.mean() > 0 else np.zeros_like(around)
     relative = np.divide(np.abs(peak.product), mean, out=np.zeros(pair.shape), where=mean > 0)
-    noise = np.maximum((1 - coherence) * (1 + coherence), 1e-300)
+    # The mean of 1 / (1 - g^2) of N looks is (N - 1) / (N - 2) times what it estimates.
+    freedom = max(large.looks(pair), 3.0)
+    noise = np.maximum((1 - coherence) * (1 + coherence), 1e-300) * (freedom - 1) / (freedom - 2)
     concentration = 2 * coherence / noise * relative * small.looks(pair)
     std: Real = phase_std(concentration) / (2 * np.pi * pair.centre_frequency)
     return std

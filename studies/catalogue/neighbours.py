@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullLocator
 from numpy.typing import NDArray
 
 from estimators import (
@@ -139,6 +140,10 @@ def _label(axes: Any) -> None:
     axes[2].plot(ends, ends, color="black", linewidth=0.8)
     axes[2].set_xscale("log")
     axes[2].set_yscale("log")
+    for axis in (axes[2].xaxis, axes[2].yaxis):
+        axis.set_major_locator(FixedLocator([0.002, 0.005, 0.01, 0.02, 0.05]))
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_locator(NullLocator())
     axes[2].set_title("points: found; lines: claimed; black: as asked", fontsize=10)
 
 
