@@ -20,8 +20,8 @@ from sim.band import Real
 PEAKS: Mapping[str, Callable[[Real], Index]] = MappingProxyType({"first": first_from_zero, "strongest": strongest})
 
 
-VOUCHING_LOOKS = 7
-"""Looks of the window that judges an estimate from fewer."""
+FEW_LOOKS, VOUCHING_LOOKS = 3, 7
+"""Looks below which an estimate is judged from a larger window, and those of that."""
 
 VOUCHING_LAGS = 4
 """Lags in `1 / B` at which it is read."""
@@ -36,7 +36,7 @@ class FullBandPhaseSlope:
     The delay is the first local maximum on a climb from zero delay, as in the paper, or from a prior delay, or the
     strongest within the search range.
 
-    A pixel of few looks cannot tell its wrap or spread: its neighbours vouch for it, a window of `VOUCHING_LOOKS`, in
+    A pixel of `FEW_LOOKS` cannot tell its wrap or spread: its neighbours vouch for it, a window of `VOUCHING_LOOKS`, in
     whose correlation its wrap has rivals, and whose coherence gives the spread of its phase. The delay is its own.
 
     Parameters
@@ -97,9 +97,8 @@ class FullBandPhaseSlope:
 
 
 def vouching(window: FixedWindow, pair: EchoPair) -> FixedWindow | None:
-    """A window longer in time, of at least `VOUCHING_LOOKS` where the pair holds them; None for one that has them."""
-    looks = window.looks(pair)
-    if looks >= VOUCHING_LOOKS:
-        return None
-    more = int(np.ceil(VOUCHING_LOOKS / window.rows * pair.sample_rate / pair.bandwidth))
-    return FixedWindow(window.rows, min(max(more | 1, window.samples), pair.shape[1]))
+    """A window longer in time for one of few looks; None for one that needs none, and where the pair has no larger."""
+    more = int(np.ceil(VOUCHING_LOOKS / window.rows * pair.sample_rate / pair.bandwidth)) | 1
+    larger = FixedWindow(window.rows, min(more, pair.shape[1]))
+    few = window.looks(pair) < FEW_LOOKS and larger.samples > window.samples
+    return larger if few else None

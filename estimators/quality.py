@@ -54,7 +54,8 @@ def peak_ratio(pair: EchoPair, estimate: DelayEstimate, window: FixedWindow) -> 
         share = np.sqrt(np.divide(heights.max(axis=0), highest, out=np.ones_like(highest), where=highest > 0))
         return _only(share, stack)
 
-    return 1 - over_lags(pair, window, _search(pair), LAGS_PER_RESOLUTION, 0.0, ratio).delay
+    second = over_lags(pair, window, _search(pair), LAGS_PER_RESOLUTION, 0.0, ratio).delay
+    return np.broadcast_to(1 - second, pair.shape)
 
 
 def curvature(pair: EchoPair, estimate: DelayEstimate, window: FixedWindow) -> Real:

@@ -68,15 +68,14 @@ def wrap_doubt(stack: LagStack, delay: Real, looks: Looks, centre_frequency: flo
     array
         Shape (rows, time).
     """
-    shape = stack.products.shape[1:]
+    shape = np.broadcast_shapes(stack.products.shape[1:], np.shape(delay))
     if np.max(looks) <= 1:
         return np.full(shape, max(1 - 1 / (2 * search * centre_frequency), 0.0))
     # A record that is not periodic has been continued.
     of_time = np.broadcast_to(looks, shape[1:]) if np.ndim(looks) == 0 else np.resize(looks, shape[1])
     distinct, which = np.unique(of_time, return_inverse=True)
     found: Real = _doubts(
-        stack.products,
-        stack.energies,
+        *(np.broadcast_to(lags, (len(lags), *shape)) for lags in (stack.products, stack.energies)),
         np.ascontiguousarray(np.broadcast_to(delay, shape)) / stack.step,
         2 * np.pi * centre_frequency * stack.step,
         search / stack.step,
