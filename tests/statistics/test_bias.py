@@ -56,7 +56,13 @@ def errors(estimator, delay, trials):
     return np.broadcast_to(estimator.estimate(pair).delay, pair.shape)[:, 0] - delay
 
 
-@pytest.mark.parametrize(("estimator", "bound"), METHODS.values(), ids=METHODS)
+def cases():
+    for name, (estimator, bound) in METHODS.items():
+        marks = [pytest.mark.long] if isinstance(estimator, SplitSpectrum | MultiChromatic) else []
+        yield pytest.param(estimator, bound, id=name, marks=marks)
+
+
+@pytest.mark.parametrize(("estimator", "bound"), cases())
 def test_bias_against_fractional_delay(estimator, bound):
     # Those that start from zero lag have an error of their own.
     trials = {SplitSpectrum: 15_000, MultiChromatic: 4_000}.get(type(estimator), 500)
