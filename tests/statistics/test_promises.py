@@ -1,7 +1,7 @@
 """What the project promises of its estimators, each in a number: spreads over bounds, and wrap-error rates.
 
-Of 20,000 errors a standard deviation has a relative standard error of 0.5 %, half a 16-84 % width one of 0.6 %: what is
-promised lies five of these and more above what is found.
+Of 20,000 errors a standard deviation has a relative standard error of 0.5 %, of 60,000 one of 0.3 %: theory lies
+four of these and more below what is promised. Rates are asked within three standard errors.
 """
 
 import numpy as np
@@ -14,11 +14,11 @@ FC, B = 100e3, 30e3
 TRIALS = 20_000
 
 
-def errors(method, looks, coherence, most_delay=0.5, **options):
+def errors(method, looks, coherence, most_delay=0.5, trials=TRIALS, **options):
     rng = np.random.default_rng([20261124, looks, round(1000 * coherence)])
-    delay = rng.uniform(-most_delay, most_delay, TRIALS) / FC
+    delay = rng.uniform(-most_delay, most_delay, trials) / FC
     pair = speckle_pair(
-        (TRIALS, looks), coherence=coherence, delay=delay, centre_frequency=FC, bandwidth=B, sample_rate=B, rng=rng
+        (trials, looks), coherence=coherence, delay=delay, centre_frequency=FC, bandwidth=B, sample_rate=B, rng=rng
     )
     return method(FixedWindow(1, looks), **options).estimate(pair).delay[:, 0] - delay
 
@@ -45,7 +45,6 @@ def test_wraps_are_wrong_as_often_as_predicted(method, looks, coherence):
 @pytest.mark.long
 def test_split_spectrum_has_1_06_times_the_bound_of_the_group_delay():
     # At zero delay; sub-bands lose coherence away from it, and have 3.2 % more than this for delays up to half a wrap.
-    found = errors(SplitSpectrum, 81, 0.9, most_delay=0.0, refine=False)
-    low, high = np.percentile(found, [100 * 0.158655, 100 * 0.841345])
-    ratio = (high - low) / 2 / bounds.group_delay_crlb(81, 0.9, B)
+    found = errors(SplitSpectrum, 81, 0.9, most_delay=0.0, trials=60_000, refine=False)
+    ratio = found.std() / bounds.group_delay_crlb(81, 0.9, B)
     assert ratio == pytest.approx(np.sqrt(9 / 8), rel=0.03)

@@ -66,7 +66,7 @@ def test_shipped_studies_are_files_that_can_be_copied(name, tmp_path):
         (
             "block = 50",
             "block = 50\n[scene]\nground_range = [1, 2]",
-            "patch and scene of patch, scene, levels is given",
+            "patch and scene of patch, scene, levels, experiment is given",
         ),
         (
             "[trials]",
