@@ -6,7 +6,7 @@ from estimators.estimate import DelayEstimate
 from estimators.height import Height
 from estimators.peak import strongest
 from estimators.search import describe, search_peaks, search_range
-from estimators.windows import FixedWindow
+from estimators.windows import WindowPolicy
 from sim import EchoPair, checks
 
 
@@ -21,7 +21,7 @@ class CrossCorrelation:
     Parameters
     ----------
     window
-        What to average over.
+        What to average over, or the policy that says it for a pair.
     refine
         Whether the residual phase refines the delay.
     search
@@ -30,7 +30,7 @@ class CrossCorrelation:
         Lags in `1 / B`, at least 4; more cost more time and gain nothing for windows of many looks.
     """
 
-    window: FixedWindow
+    window: WindowPolicy
     refine: bool = True
     search: float | Height | None = None
     lags_per_resolution: int = 4
@@ -40,6 +40,7 @@ class CrossCorrelation:
 
     def estimate(self, pair: EchoPair) -> DelayEstimate:
         """Estimate the delay at every sample; ValueError where window or search range exceed the pair."""
+        window = self.window.on(pair)
         search = search_range(pair, self.search, 1.0)
-        peak = search_peaks(pair, self.window, search, self.lags_per_resolution, strongest, self.refine)
-        return describe(pair, self.window, peak, refine=self.refine, search=search)
+        peak = search_peaks(pair, window, search, self.lags_per_resolution, strongest, self.refine)
+        return describe(pair, window, peak, refine=self.refine, search=search)

@@ -6,15 +6,16 @@ import numpy as np
 from scipy.special import stdtr
 
 from estimators.estimate import DelayEstimate
+from estimators.interference import interferogram_with_energy
 from estimators.lag_product import power
 from estimators.peak import Peak
 from estimators.search import by_rows, describe
-from estimators.windows import FixedWindow
+from estimators.windows import FixedWindow, Window, WindowPolicy
 from sim import EchoPair
 from sim.band import Complex
 
 
-def zero_lag(primary: Complex, secondary: Complex, window: FixedWindow) -> Peak:
+def zero_lag(primary: Complex, secondary: Complex, window: Window) -> Peak:
     """Windowed product of the series at zero delay."""
     return Peak(
         delay=np.zeros(()),
@@ -34,10 +35,10 @@ class Interferogram:
     Parameters
     ----------
     window
-        What to average over; a single pixel by default.
+        What to average over, or the policy that says it for a pair; a single pixel by default.
     """
 
-    window: FixedWindow = field(default_factory=lambda: FixedWindow(1, 1))
+    window: WindowPolicy = field(default_factory=lambda: FixedWindow(1, 1))
 
     def estimate(self, pair: EchoPair) -> DelayEstimate:
         """Estimate the delay at every sample; ValueError where the window exceeds the pair.
@@ -45,12 +46,21 @@ class Interferogram:
         The predicted wrap-error probability takes the true delay to lie within half a wrap of zero: it is that of
         noise carrying the phase over the edge, Student's t of `sin(phi) g sqrt(2N - 2) / sqrt(1 - g^2)`.
         """
-        peak = by_rows(pair, self.window, 0, 64, lambda p, s: zero_lag(p, s, self.window).spread())
-        estimate = describe(pair, self.window, peak, refine=True, search=0.5 / pair.centre_frequency)
-        freedom = 2 * (self.window.looks(pair) - 1)
+        window = self.window.on(pair)
+        window.check(pair)
+        estimate = describe(pair, window, _peak(pair, window), refine=True, search=0.5 / pair.centre_frequency)
+        freedom = 2 * (window.looks(pair) - 1)
         to_edge = np.minimum(np.pi - np.abs(estimate.phase), np.pi / 2)
         strength = np.sqrt(freedom / np.maximum((1 - estimate.coherence) * (1 + estimate.coherence), 1e-300))
-        crossing = np.where(
-            freedom > 0, stdtr(np.maximum(freedom, 1e-3), -estimate.coherence * strength * np.sin(to_edge)), 0.5
-        )
+        edge = stdtr(np.maximum(freedom, 1e-3), -estimate.coherence * strength * np.sin(to_edge))
+        crossing = np.where(freedom > 0, edge, 0.5)
         return replace(estimate, wrap_error_probability=crossing, quality=1 - crossing)
+
+
+def _peak(pair: EchoPair, window: Window) -> Peak:
+    if isinstance(window, FixedWindow):
+        product, energy = interferogram_with_energy(
+            pair.primary, pair.secondary, window.rows, window.samples, circular=pair.circular
+        )
+        return Peak(np.zeros(()), product, energy, np.ones((), dtype=np.bool_))
+    return by_rows(pair, window, 0, 64, lambda p, s: zero_lag(p, s, window).spread())

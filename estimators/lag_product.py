@@ -7,6 +7,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from estimators.moving_sum import product_sum_within
 from estimators.windows import FixedWindow
 from sim.band import Complex, Real
 
@@ -53,19 +54,69 @@ class Planes:
 
     def at(self, offset: int) -> NDArray[Any]:
         """The series at `offset / len(values)` samples after each sample; a view, shape (rows, samples)."""
-        whole, part = divmod(offset, len(self.values))
-        plane = self.values[part]
-        # What is the same at every sample has no margin to move in.
-        first = self.margin + whole if self.margin else 0
-        series: NDArray[Any] = plane[:, first : first + plane.shape[1] - 2 * self.margin]
+        plane, begin = self.plane(offset)
+        series: NDArray[Any] = plane[:, begin : begin + plane.shape[1] - 2 * self.margin]
         return series
+
+    def plane(self, offset: int) -> tuple[NDArray[Any], int]:
+        """The plane, with its margins, in which that series is, and the column where it begins."""
+        whole, part = divmod(offset, len(self.values))
+        # What is the same at every sample has no margin to move in.
+        return self.values[part], self.margin + whole if self.margin else 0
+
+
+@dataclass(frozen=True, eq=False)
+class LagSeries:
+    """A pair at several instants a sample, from which windowed lag products are formed.
+
+    Attributes
+    ----------
+    primary, secondary
+        Planes of the series, with margins for the window.
+    energy_before, energy_after
+        Planes of the root of their windowed energy.
+    window
+        Over which to sum.
+    reach
+        Lags on either side of zero.
+    step
+        Delay from lag to lag [s].
+    """
+
+    primary: Planes
+    secondary: Planes
+    energy_before: Planes
+    energy_after: Planes
+    window: FixedWindow
+    reach: int
+    step: float
+
+    @property
+    def times(self) -> int:
+        """Samples; one where the window holds the whole period, as all sums are then one."""
+        return int(self.energy_before.at(0).shape[1])
+
+    def stack(self, start: int = 0, stop: int | None = None) -> LagStack:
+        """Windowed lag products at all lags, of the samples from `start` to `stop`, a multiple of the window's."""
+        part = slice(start, self.times if stop is None else min(stop, self.times))
+        shape = 2 * self.reach + 1, self.primary.values.shape[1], part.stop - start
+        products, energies = np.empty(shape, dtype=np.complex128), np.empty(shape)
+        for products_at, energies_at, lag in zip(products, energies, range(-self.reach, self.reach + 1), strict=True):
+            (plane, begin), (other, begin_other) = self.primary.plane(-lag), self.secondary.plane(lag)
+            begins = begin + start, begin_other + start
+            product_sum_within(plane, other, begins, self.window.rows, self.window.samples, products_at)
+            before, after = self.energy_before.at(-lag), self.energy_after.at(lag)
+            np.multiply(before[:, part], after[:, part], out=energies_at)
+        return LagStack(products, energies, self.step)
 
 
 def extended(values: NDArray[Any], margin: int) -> Planes:
     """Planes with their periodic continuation; what is the same at every sample needs none."""
-    if values.shape[-1] == 1:
-        return Planes(values, 0)
-    return Planes(np.pad(values, ((0, 0), (0, 0), (margin, margin)), mode="wrap"), margin)
+    return Planes(values, 0) if values.shape[-1] == 1 else Planes(_wrapped(values, margin), margin)
+
+
+def _wrapped(values: NDArray[Any], margin: int) -> NDArray[Any]:
+    return np.pad(values, ((0, 0), (0, 0), (margin, margin)), mode="wrap")
 
 
 def upsampled(series: Complex, factor: int) -> Complex:
@@ -83,18 +134,18 @@ def upsampled(series: Complex, factor: int) -> Complex:
     array
         Shape (factor, rows, samples).
     """
-    rows, samples = series.shape
+    samples = series.shape[1]
+    planes = np.empty((factor, *series.shape), dtype=np.complex128)
+    planes[0] = series
     spectrum = scipy.fft.fft(series, axis=-1)
-    wide = np.zeros((rows, samples * factor), dtype=np.complex128)
-    positive = (samples + 1) // 2
-    wide[:, :positive] = spectrum[:, :positive]
-    wide[:, samples * factor - samples + positive :] = spectrum[:, positive:]
-    if samples % 2 == 0:
-        # The Nyquist bin stands for both ends of the band, which at one instant a sample are one again.
-        wide[:, -samples // 2] = spectrum[:, samples // 2] / 2
-        wide[:, samples // 2] += spectrum[:, samples // 2] / 2
-    fine = scipy.fft.ifft(wide, axis=-1, overwrite_x=True) * factor
-    return np.ascontiguousarray(np.moveaxis(fine.reshape(rows, samples, factor), -1, 0))
+    # The Nyquist bin stands for both ends of the band, and turns either way.
+    nyquist = samples // 2 if samples % 2 == 0 else None
+    for part in range(1, factor):
+        turn = np.exp(2j * np.pi * part / factor * scipy.fft.fftfreq(samples))
+        if nyquist is not None:
+            turn[nyquist] = turn[nyquist].real
+        planes[part] = scipy.fft.ifft(spectrum * turn, axis=-1, overwrite_x=True)
+    return planes
 
 
 def lag_product(primary: Planes, secondary: Planes, lag: int) -> Complex:
@@ -120,10 +171,10 @@ def lag_product(primary: Planes, secondary: Planes, lag: int) -> Complex:
     return product
 
 
-def lag_stack(
+def lag_series(
     primary: Complex, secondary: Complex, window: FixedWindow, factor: int, reach: int, sample_rate: float
-) -> LagStack:
-    """Windowed lag products at all lags up to `reach` on either side.
+) -> LagSeries:
+    """A pair made ready for windowed lag products at all lags up to `reach` on either side.
 
     Parameters
     ----------
@@ -139,17 +190,24 @@ def lag_stack(
         Samples per second [Hz].
     """
     margin = reach // factor + 1
-    series = upsampled(primary.conj(), factor), upsampled(secondary, factor)
+    both = upsampled(np.concatenate([primary, secondary]), factor)
+    series = both[:, : len(primary)], both[:, len(primary) :]
     energy_before, energy_after = (extended(np.sqrt(window.sum(power(planes))), margin) for planes in series)
-    before, after = (extended(planes, margin) for planes in series)
-    shape = (2 * reach + 1, *energy_before.at(0).shape)
-    products, energies = np.empty(shape, dtype=np.complex128), np.empty(shape)
-    for products_at, energies_at, lag in zip(products, energies, range(-reach, reach + 1), strict=True):
-        products_at[...] = window.sum(lag_product(before, after, lag))
-        np.multiply(energy_before.at(-lag), energy_after.at(lag), out=energies_at)
-    return LagStack(products, energies, 2 / (factor * sample_rate))
+    wide = margin + window.samples
+    before, after = (Planes(_wrapped(planes, wide), wide) for planes in series)
+    return LagSeries(before, after, energy_before, energy_after, window, reach, 2 / (factor * sample_rate))
 
 
 def power(series: Complex) -> Real:
     """Squared magnitude."""
     return series.real**2 + series.imag**2
+
+
+def scale_of(series: Complex) -> float:
+    """Power of two that brings the largest sample towards 1; 1 for single precision, whose squares double can hold."""
+    if series.dtype == np.complex64:
+        return 1.0
+    numbers = np.ascontiguousarray(series).view(np.float64)
+    largest = float(max(numbers.max(), -numbers.min()))
+    # Of the smallest numbers no power of two makes 1: they are lifted as far as one can.
+    return float(2.0 ** min(-int(np.frexp(largest)[1]), 1000)) if largest > 0 else 1.0

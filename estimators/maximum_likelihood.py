@@ -9,7 +9,7 @@ from estimators.height import Height
 from estimators.lag_product import LagStack
 from estimators.peak import Peak, passband_peak
 from estimators.search import describe, over_lags, search_range
-from estimators.windows import FixedWindow
+from estimators.windows import WindowPolicy
 from estimators.wrap_doubt import wrap_doubt
 from sim import EchoPair, checks
 
@@ -29,7 +29,7 @@ class MaximumLikelihood:
     Parameters
     ----------
     window
-        What to average over.
+        What to average over, or the policy that says it for a pair.
     search
         Largest delay to look for [s], or a `Height`; `1 / B` where None. A peak up to a wrap beyond it that is
         higher than all within is not valid.
@@ -37,7 +37,7 @@ class MaximumLikelihood:
         Lags in `1 / B` between which the correlation is interpolated, at least 4.
     """
 
-    window: FixedWindow
+    window: WindowPolicy
     search: float | Height | None = None
     lags_per_resolution: int = 4
 
@@ -46,14 +46,15 @@ class MaximumLikelihood:
 
     def estimate(self, pair: EchoPair) -> DelayEstimate:
         """Estimate the delay at every sample; ValueError where window or search range exceed the pair."""
+        window = self.window.on(pair)
         search = search_range(pair, self.search, 1.0)
-        looks = self.window.looks(pair)
+        looks = window.looks(pair)
 
         def find(stack: LagStack, _: int) -> Peak:
             peak = passband_peak(stack, pair.centre_frequency, pair.bandwidth, search)
             return peak._replace(doubt=wrap_doubt(stack, peak.delay, looks, pair.centre_frequency, search))
 
-        peak = over_lags(pair, self.window, search, self.lags_per_resolution, 2.0, find)
+        peak = over_lags(pair, window, search, self.lags_per_resolution, 2.0, find)
         # The delay stands as found: at the passband peak the phase of the lag product need not be that of the carrier.
         delay = np.broadcast_to(peak.delay, pair.shape)
-        return replace(describe(pair, self.window, peak, refine=True, search=search), delay=delay)
+        return replace(describe(pair, window, peak, refine=True, search=search), delay=delay)

@@ -9,7 +9,7 @@ from estimators.estimate import DelayEstimate
 from estimators.peak import Peak
 from estimators.search import by_rows, describe, read_at
 from estimators.sub_bands import band_pass, band_share, carried_to, lag_slope
-from estimators.windows import FixedWindow
+from estimators.windows import WindowPolicy
 from sim import EchoPair, checks
 from sim.band import Complex, Real
 
@@ -37,14 +37,15 @@ class MultiChromatic:
     Parameters
     ----------
     window
-        What to average over; a sub-band has only the share `1 / C` of its looks, and of one look the phase is poor.
+        What to average over, or the policy that says it for a pair; a sub-band has only the share `1 / C` of its looks,
+        and of one look the phase is poor.
     bands
         `C`, at least 2.
     refine
         Whether the residual phase refines the delay.
     """
 
-    window: FixedWindow
+    window: WindowPolicy
     bands: int = 5
     refine: bool = True
 
@@ -53,6 +54,7 @@ class MultiChromatic:
 
     def estimate(self, pair: EchoPair) -> DelayEstimate:
         """Estimate the delay at every sample; ValueError where the window exceeds the pair, or bands are too narrow."""
+        window = self.window.on(pair)
         width = pair.bandwidth / self.bands
         if width * pair.grid.period < 1:
             most = int(pair.bandwidth * pair.grid.period)
@@ -64,17 +66,17 @@ class MultiChromatic:
             shares = [band_share(frequencies, centre, width) for centre in centres]
             middles = np.array([np.average(frequencies, weights=share) for share in shares])
             parts = [(band_pass(primary, share), band_pass(secondary, share)) for share in shares]
-            interferograms = np.stack([self.window.sum(low.conj() * high) for low, high in parts])
-            slopes = np.stack([lag_slope(low, high, frequencies, self.window) for low, high in parts])
+            interferograms = np.stack([window.sum(low.conj() * high) for low, high in parts])
+            slopes = np.stack([lag_slope(low, high, frequencies, window) for low, high in parts])
             delay = _line_through(interferograms, slopes, middles)
             magnitude = np.abs(interferograms).sum(axis=0)
             return Peak(delay, interferograms.sum(axis=0), magnitude, np.ones((), dtype=np.bool_)).spread()
 
-        line = by_rows(pair, self.window, 0, 256 + 384 * self.bands, peaks).delay
+        line = by_rows(pair, window, 0, 256 + 384 * self.bands, peaks).delay
         search = min(0.5 / width, pair.grid.period / 2)
-        peak = read_at(pair, self.window, line, LAGS_PER_RESOLUTION, search)
+        peak = read_at(pair, window, line, LAGS_PER_RESOLUTION, search)
         bandwidth = pair.bandwidth * np.sqrt(1 - 1 / self.bands**2)
-        return describe(pair, self.window, peak, refine=self.refine, search=search, bandwidth=bandwidth)
+        return describe(pair, window, peak, refine=self.refine, search=search, bandwidth=bandwidth)
 
 
 def _line_through(interferograms: Complex, slopes: Complex, centres: Real) -> Real:

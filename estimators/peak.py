@@ -7,12 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.lag_product import LagStack, power
+from estimators.lag_product import LagStack
+from estimators.peak_kernels import COEFFICIENTS, OFFSETS, STENCIL, climb_from_lags, read_at_lags
 from sim.band import Complex, Real
-
-STENCIL = 4
-"""Lags on either side of a peak that its interpolation uses, and that a stack holds beyond the search range. At four
-lags per `1 / B` the polynomial of degree 8 follows the band's edge to 6e-5 of its amplitude half-way between lags."""
 
 SAMPLES_PER_CARRIER = 16
 """Delays in a period of the highest frequency at which the passband correlation is searched."""
@@ -20,9 +17,6 @@ SAMPLES_PER_CARRIER = 16
 Index = NDArray[np.intp]
 Ascent = Callable[[Real, Complex, Complex, Complex], tuple[Real, Real]]
 """First and second derivative of what is maximised, at `share` of a lag, from the lag product and its derivatives."""
-
-_OFFSETS = np.arange(-STENCIL, STENCIL + 1)
-_COEFFICIENTS = np.linalg.inv(np.vander(_OFFSETS.astype(float), increasing=True))
 
 
 class Peak(NamedTuple):
@@ -75,20 +69,10 @@ def peak_at(stack: LagStack, index: Index) -> Peak:
     index
         The highest lags, shape (rows, time).
     """
-    around = _around(stack, index)
-    heights = power(around)
-    here, before, after = heights[STENCIL], heights[STENCIL - 1], heights[STENCIL + 1]
-    inside = (here >= before) & (here >= after) & (here > 0)
-    bend = np.where(inside & (2 * here > before + after), 2 * here - before - after, np.inf)
-    coefficients = np.tensordot(_COEFFICIENTS, around, axes=1)
-    share = _climb(coefficients, np.clip((after - before) / (2 * bend), -1.0, 1.0), _of_magnitude)
-    share[~inside] = 0.0
-    return Peak(
-        delay=(index - stack.reach + share) * stack.step,
-        product=_polynomial(coefficients, share)[0],
-        energy=_between(stack.energies, index, share),
-        inside=inside,
-    )
+    share, energy = np.empty(index.shape), np.empty(index.shape)
+    product, inside = np.empty(index.shape, dtype=np.complex128), np.empty(index.shape, dtype=np.bool_)
+    climb_from_lags(stack.products, stack.energies, index, share, product, energy, inside)
+    return Peak((index - stack.reach + share) * stack.step, product, energy, inside)
 
 
 def passband_peak(stack: LagStack, centre_frequency: float, bandwidth: float, search: float) -> Peak:
@@ -109,14 +93,15 @@ def passband_peak(stack: LagStack, centre_frequency: float, bandwidth: float, se
     """
     start = _highest_of_periods(stack, centre_frequency, bandwidth, search + 1 / centre_frequency)
     index = np.rint(start / stack.step).astype(np.intp)
-    coefficients = np.tensordot(_COEFFICIENTS, _around(stack, index + stack.reach), axes=1)
+    coefficients = np.tensordot(COEFFICIENTS, _around(stack, index + stack.reach), axes=1)
     carrier = 2 * np.pi * centre_frequency * stack.step
     share = _climb(coefficients, start / stack.step - index, partial(_of_passband, index=index, carrier=carrier))
     delay = (index + share) * stack.step
+    product, energy = _read(stack, index + stack.reach, share)
     return Peak(
         delay=delay,
-        product=_polynomial(coefficients, share)[0],
-        energy=_between(stack.energies, index + stack.reach, share),
+        product=product,
+        energy=energy,
         inside=np.abs(delay) <= search,
     )
 
@@ -134,9 +119,9 @@ def _highest_of_periods(stack: LagStack, centre_frequency: float, bandwidth: flo
         # In lags.
         at = (centre + period) / fine
         middle = int(np.rint(centre / fine))
-        weights = np.vander(at - middle, len(_OFFSETS), increasing=True) @ _COEFFICIENTS
+        weights = np.vander(at - middle, len(OFFSETS), increasing=True) @ COEFFICIENTS
         turned = np.exp(2j * np.pi * centre_frequency * stack.step * at)[:, None] * weights
-        around = lags[stack.reach + middle - STENCIL :][: len(_OFFSETS)]
+        around = lags[stack.reach + middle - STENCIL :][: len(OFFSETS)]
         height, place = _crest(turned.real @ around.real - turned.imag @ around.imag)
         found = (at[0] + place / fine) * stack.step
         better = (height > highest) & (np.abs(found) <= limit)
@@ -164,16 +149,18 @@ def moved_to(peak: Peak, stack: LagStack, delay: Real) -> Peak:
     """The same peak, with product and energy read at other delays [s] in the reach of the stack."""
     lag = np.clip(delay / stack.step + stack.reach, STENCIL, 2 * stack.reach - STENCIL)
     index = np.rint(lag).astype(np.intp)
-    coefficients = np.tensordot(_COEFFICIENTS, _around(stack, index), axes=1)
-    return peak._replace(
-        delay=delay,
-        product=_polynomial(coefficients, lag - index)[0],
-        energy=_between(stack.energies, index, lag - index),
-    )
+    product, energy = _read(stack, index, lag - index)
+    return peak._replace(delay=delay, product=product, energy=energy)
+
+
+def _read(stack: LagStack, index: Index, share: Real) -> tuple[Complex, Real]:
+    product, energy = np.empty(index.shape, dtype=np.complex128), np.empty(index.shape)
+    read_at_lags(stack.products, stack.energies, index, share, product, energy)
+    return product, energy
 
 
 def _around(stack: LagStack, index: Index) -> Complex:
-    return np.take_along_axis(stack.products, index + _OFFSETS[:, None, None], axis=0)
+    return np.take_along_axis(stack.products, index + OFFSETS[:, None, None], axis=0)
 
 
 def _climb(coefficients: Complex, share: Real, ascent: Ascent) -> Real:
@@ -182,11 +169,6 @@ def _climb(coefficients: Complex, share: Real, ascent: Ascent) -> Real:
         step = np.divide(gradient, curvature, out=np.zeros_like(gradient), where=curvature < 0)
         share = np.clip(share - step, -1.0, 1.0)
     return share
-
-
-def _of_magnitude(share: Real, value: Complex, slope: Complex, bend: Complex) -> tuple[Real, Real]:
-    """Half the squared magnitude."""
-    return (value.conj() * slope).real, power(slope) + (value.conj() * bend).real
 
 
 def _of_passband(
@@ -208,12 +190,3 @@ def _polynomial(coefficients: Complex, x: Real) -> tuple[Complex, Complex, Compl
         slope = slope * x + value
         value = value * x + coefficient
     return value, slope, 2 * half_bend
-
-
-def _between(energies: Real, index: Index, share: Real) -> Real:
-    """Energy between lags, on a parabola: a straight line lies so far off that coherences of .999 come out as 1."""
-    here, before, after = (np.take_along_axis(energies, (index + step)[None], axis=0)[0] for step in (0, -1, 1))
-    parabola = here + share / 2 * (after - before + share * (after + before - 2 * here))
-    # Of a single dark pixel it may undershoot.
-    least: Real = np.maximum(parabola, np.minimum(here, np.minimum(before, after)))
-    return least

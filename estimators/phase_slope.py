@@ -13,7 +13,7 @@ from estimators.height import Height
 from estimators.peak import Index, Peak, first_from_zero, strongest
 from estimators.search import describe, read_at, search_peaks, search_range
 from estimators.uncertainty import small_window_std
-from estimators.windows import FixedWindow
+from estimators.windows import FixedWindow, Window, WindowPolicy
 from sim import EchoPair, checks
 from sim.band import Real
 
@@ -42,7 +42,7 @@ class FullBandPhaseSlope:
     Parameters
     ----------
     window
-        What to average over; a single pixel as in the paper by default.
+        What to average over, or the policy that says it for a pair; a single pixel as in the paper by default.
     peak
         "first" or "strongest".
     refine
@@ -58,7 +58,7 @@ class FullBandPhaseSlope:
         on the right one for .762 of single pixels with 8 lags, for .773 with 32, and for .775 in the limit.
     """
 
-    window: FixedWindow = field(default_factory=lambda: FixedWindow(1, 1))
+    window: WindowPolicy = field(default_factory=lambda: FixedWindow(1, 1))
     peak: Literal["first", "strongest"] = "first"
     refine: bool = True
     search: float | Height | None = None
@@ -74,30 +74,33 @@ class FullBandPhaseSlope:
 
     def estimate(self, pair: EchoPair) -> DelayEstimate:
         """Estimate the delay at every sample; ValueError where window or search range exceed the pair."""
+        window = self.window.on(pair)
         search = search_range(pair, self.search, 2.0)
-        peak = self._peak(pair, search)
-        wider = vouching(self.window, pair)
+        peak = self._peak(pair, window, search)
+        wider = vouching(window, pair)
         if wider is None:
-            return describe(pair, self.window, peak, refine=self.refine, search=search)
+            return describe(pair, window, peak, refine=self.refine, search=search)
         around = read_at(pair, wider, np.clip(peak.delay, -search, search), VOUCHING_LAGS, search)
-        estimate = describe(pair, self.window, peak._replace(doubt=around.doubt), refine=self.refine, search=search)
+        estimate = describe(pair, window, peak._replace(doubt=around.doubt), refine=self.refine, search=search)
         if not self.refine:
             return estimate
         vouched = describe(pair, wider, around, refine=True, search=search).debiased_coherence
-        return replace(estimate, delay_std=small_window_std(pair, peak, self.window, wider, vouched))
+        return replace(estimate, delay_std=small_window_std(pair, peak, window, wider, vouched))
 
-    def _peak(self, pair: EchoPair, search: float) -> Peak:
+    def _peak(self, pair: EchoPair, window: Window, search: float) -> Peak:
         if self.start is None:
-            return search_peaks(pair, self.window, search, self.lags_per_resolution, PEAKS[self.peak], self.refine)
+            return search_peaks(pair, window, search, self.lags_per_resolution, PEAKS[self.peak], self.refine)
         start = start_of(self.start, pair)
         known = np.isfinite(start)
         near = np.clip(np.where(known, start, 0.0), -search, search)
-        peak = search_peaks(pair, self.window, search, self.lags_per_resolution, first_from, self.refine, near)
+        peak = search_peaks(pair, window, search, self.lags_per_resolution, first_from, self.refine, near)
         return peak._replace(inside=peak.inside & known)
 
 
-def vouching(window: FixedWindow, pair: EchoPair) -> FixedWindow | None:
+def vouching(window: Window, pair: EchoPair) -> FixedWindow | None:
     """A window longer in time for one of few looks; None for one that needs none, and where the pair has no larger."""
+    if not isinstance(window, FixedWindow):
+        return None
     more = int(np.ceil(VOUCHING_LOOKS / window.rows * pair.sample_rate / pair.bandwidth)) | 1
     larger = FixedWindow(window.rows, min(more, pair.shape[1]))
     few = window.looks(pair) < FEW_LOOKS and larger.samples > window.samples

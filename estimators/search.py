@@ -3,20 +3,26 @@
 from collections.abc import Callable
 
 import numpy as np
+import scipy.fft
 
 from estimators.estimate import DelayEstimate
 from estimators.height import Height
-from estimators.lag_product import LagStack, lag_stack, power
-from estimators.peak import STENCIL, Index, Peak, moved_to, peak_at
+from estimators.lag_product import LagSeries, LagStack, lag_series, power, scale_of
+from estimators.peak import Index, Peak, moved_to, peak_at
+from estimators.peak_kernels import STENCIL
 from estimators.posterior import delay_std
 from estimators.uncertainty import debiased_coherence, predicted_std
-from estimators.windows import FixedWindow
+from estimators.varying_stack import varying_lag_stack
+from estimators.windows import FixedWindow, Window
 from estimators.wrap_doubt import wrap_doubt
 from sim import EchoPair, checks
 from sim.band import Complex, Real
 
 BLOCK_BYTES = 2**27
 """Size that the lag products of one block of rows may take."""
+
+CACHE_BYTES = 2**23
+"""Size that the lag products at the times searched together may take."""
 
 
 def search_range(pair: EchoPair, search: float | Height | None, resolutions: float) -> float:
@@ -39,7 +45,7 @@ def search_range(pair: EchoPair, search: float | Height | None, resolutions: flo
 
 def search_peaks(
     pair: EchoPair,
-    window: FixedWindow,
+    window: Window,
     search: float,
     lags_per_resolution: int,
     pick: Callable[..., Index],
@@ -80,7 +86,7 @@ def search_peaks(
 
 def over_lags(
     pair: EchoPair,
-    window: FixedWindow,
+    window: Window,
     search: float,
     lags_per_resolution: int,
     wraps_beyond: float,
@@ -107,15 +113,29 @@ def over_lags(
     reach = max(int(np.ceil(search * lags_per_second)), 1) + margin
 
     def peaks(primary: Complex, secondary: Complex, *rows: Real) -> Peak:
-        return find(lag_stack(primary, secondary, window, factor, reach, pair.sample_rate), margin, *rows)
+        steps = factor, reach, pair.sample_rate
+        if isinstance(window, FixedWindow):
+            series = lag_series(primary, secondary, window, *steps)
+            return over_times(series, lambda stack, *part: find(stack, margin, *part), *rows)
+        return find(varying_lag_stack(primary, secondary, window, *steps), margin, *rows)
 
     bytes_per_sample = 40 * (2 * reach + 1) + 48 * factor
     return by_rows(pair, window, int(np.ceil(2 * reach / factor)), bytes_per_sample, peaks, *beside)
 
 
-def read_at(
-    pair: EchoPair, window: FixedWindow, delay: Real, lags_per_resolution: int, search: float | None = None
-) -> Peak:
+def over_times(series: LagSeries, find: Callable[..., Peak], *beside: Real) -> Peak:
+    """Apply a method to stacks of so many times that they stay in the cache, with what lies beside at these times."""
+    if series.times == 1:
+        return find(series.stack(), *beside)
+    samples = series.window.samples
+    # Whole windows, so that moving sums group the same samples in any stack.
+    times = max(1, CACHE_BYTES // (24 * (2 * series.reach + 1) * series.primary.values.shape[1] * samples)) * samples
+    starts = range(0, series.times, times)
+    found = [find(series.stack(at, at + times), *(array[:, at : at + times] for array in beside)) for at in starts]
+    return Peak(*(np.concatenate(parts, axis=1) for parts in zip(*found, strict=True)))
+
+
+def read_at(pair: EchoPair, window: Window, delay: Real, lags_per_resolution: int, search: float | None = None) -> Peak:
     """Windowed lag product at a given delay of every pixel [s], within half the record.
 
     Where a search range [s] is given, the wraps within it tell how doubtful that of the delay is.
@@ -134,7 +154,7 @@ def read_at(
 
 def by_rows(
     pair: EchoPair,
-    window: FixedWindow,
+    window: Window,
     lag_samples: int,
     bytes_per_sample: int,
     peaks: Callable[..., Peak],
@@ -147,14 +167,16 @@ def by_rows(
     """
     window.check(pair)
     rows, samples = pair.shape
-    scales = [_scale(series) for series in (pair.primary, pair.secondary)]
-    padding = 0 if pair.circular else lag_samples + window.samples
+    most_rows, most_samples = window.extent
+    scales = [scale_of(series) for series in (pair.primary, pair.secondary)]
+    # A few more zeros make a length that is fast to transform.
+    padding = 0 if pair.circular else scipy.fft.next_fast_len(samples + lag_samples + most_samples) - samples
     # Whole windows of rows, so that moving sums group the same rows whatever the block.
-    block = max(1, BLOCK_BYTES // (bytes_per_sample * (samples + padding) * window.rows)) * window.rows
+    block = max(1, BLOCK_BYTES // (bytes_per_sample * (samples + padding) * most_rows)) * most_rows
     found = []
     for start in range(0, rows, block):
         stop = min(start + block, rows)
-        first, last = max(start - window.rows, 0), min(stop + window.rows, rows)
+        first, last = max(start - most_rows, 0), min(stop + most_rows, rows)
         primary, secondary = (
             np.pad(series[first:last].astype(np.complex128) * scale, ((0, 0), (0, padding)))
             for series, scale in zip((pair.primary, pair.secondary), scales, strict=True)
@@ -165,26 +187,19 @@ def by_rows(
     return Peak(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
 
 
-def _scale(series: Complex) -> float:
-    largest = float(max(np.abs(series.real).max(), np.abs(series.imag).max()))
-    # Of the smallest numbers no power of two makes 1: they are lifted as far as one can.
-    return float(2.0 ** min(-int(np.frexp(largest)[1]), 1000)) if largest > 0 else 1.0
-
-
 def refined_delay(peak: Peak, centre_frequency: float) -> Real:
     """The delay nearest to a peak that its phase allows.
 
     With the peak at `tau` and the absolute phase `phi = -arg C`: `tau + wrap(phi - 2 pi fc tau) / (2 pi fc)`.
     """
-    cycle = 2 * np.pi * centre_frequency
-    residual = np.angle(np.exp(-1j * cycle * peak.delay) * peak.product.conj())
-    delay: Real = peak.delay + residual / cycle
+    wraps = np.angle(peak.product) / (2 * np.pi) + centre_frequency * peak.delay
+    delay: Real = peak.delay + (np.rint(wraps) - wraps) / centre_frequency
     return delay
 
 
 def describe(
     pair: EchoPair,
-    window: FixedWindow,
+    window: Window,
     peak: Peak,
     *,
     refine: bool,

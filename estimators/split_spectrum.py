@@ -11,7 +11,7 @@ from estimators.lag_product import power
 from estimators.peak import Peak
 from estimators.search import by_rows, describe, refined_delay
 from estimators.sub_bands import band_pass, band_share, carried_to, lag_slope
-from estimators.windows import FixedWindow
+from estimators.windows import WindowPolicy
 from estimators.wrap_doubt import sub_band_doubt
 from sim import EchoPair, checks
 from sim.band import Complex
@@ -32,14 +32,14 @@ class SplitSpectrum:
     Parameters
     ----------
     window
-        What to average over; a sub-band has only the share `b / B` of its looks.
+        What to average over, or the policy that says it for a pair; a sub-band has only the share `b / B` of its looks.
     sub_bandwidth
         `b` [Hz], at most `B / 2`; `B / 3` where None.
     refine
         Whether the residual phase refines the delay.
     """
 
-    window: FixedWindow
+    window: WindowPolicy
     sub_bandwidth: float | None = None
     refine: bool = True
 
@@ -49,6 +49,7 @@ class SplitSpectrum:
 
     def estimate(self, pair: EchoPair) -> DelayEstimate:
         """Estimate the delay at every sample; ValueError where window or sub-band exceed the pair."""
+        window = self.window.on(pair)
         width = pair.bandwidth / 3 if self.sub_bandwidth is None else self.sub_bandwidth
         if width > pair.bandwidth / 2:
             raise ValueError(
@@ -57,26 +58,26 @@ class SplitSpectrum:
         if width * pair.grid.period < 1:
             raise ValueError(f"sub_bandwidth is {width:g} Hz; it must hold a Fourier bin, {1 / pair.grid.period:g} Hz")
         apart = pair.bandwidth - width
-        looks = 2 * width / pair.bandwidth * self.window.looks(pair)
+        looks = 2 * width / pair.bandwidth * window.looks(pair)
 
         def peaks(primary: Complex, secondary: Complex) -> Peak:
             frequencies = scipy.fft.fftfreq(primary.shape[1], 1 / pair.sample_rate)
             shares = [band_share(frequencies, centre, width) for centre in (-apart / 2, apart / 2)]
             parts = [(band_pass(primary, share), band_pass(secondary, share)) for share in shares]
-            low, high = (self.window.sum(p.conj() * s) for p, s in parts)
+            low, high = (window.sum(p.conj() * s) for p, s in parts)
             spacing = np.average(frequencies, weights=shares[1]) - np.average(frequencies, weights=shares[0])
             slope = -np.angle(high * low.conj()) / (2 * np.pi * spacing)
-            peak = zero_lag(primary, secondary, self.window)
-            turn = lag_slope(primary, secondary, frequencies, self.window)
+            peak = zero_lag(primary, secondary, window)
+            turn = lag_slope(primary, secondary, frequencies, window)
             peak = peak._replace(delay=slope, product=carried_to(slope, peak.product, turn))
-            powers = (self.window.sum(power(a) + power(b)) for a, b in zip(*parts, strict=True))
+            powers = (window.sum(power(a) + power(b)) for a, b in zip(*parts, strict=True))
             energy = np.sqrt(next(powers) * next(powers))
             near = refined_delay(peak, pair.centre_frequency) * pair.centre_frequency
             doubt = sub_band_doubt(low, high, energy, near, spacing / pair.centre_frequency, looks)
             return peak._replace(doubt=doubt).spread()
 
-        peak = by_rows(pair, self.window, 0, BYTES_PER_SAMPLE, peaks)
+        peak = by_rows(pair, window, 0, BYTES_PER_SAMPLE, peaks)
         # Two bands have the rms width of a flat one that is narrower by the factor of their bound.
         share = width / pair.bandwidth
         bandwidth = pair.bandwidth * np.sqrt(6 * share) * (1 - share)
-        return describe(pair, self.window, peak, refine=self.refine, search=0.5 / apart, bandwidth=bandwidth)
+        return describe(pair, window, peak, refine=self.refine, search=0.5 / apart, bandwidth=bandwidth)

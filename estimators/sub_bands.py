@@ -3,7 +3,7 @@
 import numpy as np
 import scipy.fft
 
-from estimators.windows import FixedWindow
+from estimators.windows import Window
 from sim.band import Complex, Real
 
 
@@ -25,7 +25,7 @@ def band_pass(series: Complex, share: Real) -> Complex:
     return passed
 
 
-def lag_slope(primary: Complex, secondary: Complex, frequencies: Real, window: FixedWindow) -> Complex:
+def lag_slope(primary: Complex, secondary: Complex, frequencies: Real, window: Window) -> Complex:
     """Derivative over the delay, at zero, of the windowed lag product `sum p*(t - tau/2) s(t + tau/2)` [1/s]."""
     turn: Complex = window.sum(
         primary.conj() * _derivative(secondary, frequencies) - _derivative(primary, frequencies).conj() * secondary

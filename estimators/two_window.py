@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from estimators.estimate import DelayEstimate, Estimator
 from estimators.search import describe, read_at
 from estimators.uncertainty import small_window_std
-from estimators.windows import FixedWindow
+from estimators.windows import FixedWindow, WindowPolicy
 from sim import EchoPair, checks
 from sim.band import Real
 
@@ -40,7 +40,7 @@ class TwoWindow:
     """
 
     wrap: Estimator
-    phase: FixedWindow = field(default_factory=lambda: FixedWindow(1, 1))
+    phase: WindowPolicy = field(default_factory=lambda: FixedWindow(1, 1))
     lags_per_resolution: int = 8
 
     def __post_init__(self) -> None:
@@ -50,18 +50,20 @@ class TwoWindow:
 
     def estimate(self, pair: EchoPair) -> DelayEstimate:
         """Estimate the delay at every sample; ValueError where a window or search range exceeds the pair."""
-        wide = self.wrap.estimate(pair)
+        wide, phase = self.wrap.estimate(pair), self.phase.on(pair)
         within = _readable(wide.delay, pair)
         near = np.where(within, wide.delay, 0.0)
-        peak = read_at(pair, self.phase, near, self.lags_per_resolution)
-        narrow = describe(pair, self.phase, peak, refine=True, search=0.5 / pair.centre_frequency)
-        window, coherence = self.phase, narrow.debiased_coherence
+        peak = read_at(pair, phase, near, self.lags_per_resolution)
+        narrow = describe(pair, phase, peak, refine=True, search=0.5 / pair.centre_frequency)
+        window, coherence = phase, narrow.debiased_coherence
         around = getattr(self.wrap, "window", None)
-        if isinstance(around, FixedWindow) and around.looks(pair) > self.phase.looks(pair):
-            window, coherence = around, wide.debiased_coherence
+        if isinstance(around, WindowPolicy):
+            larger = around.on(pair)
+            if np.all(larger.looks(pair) > phase.looks(pair)):
+                window, coherence = larger, wide.debiased_coherence
         return replace(
             narrow,
-            delay_std=small_window_std(pair, peak, self.phase, window, coherence),
+            delay_std=small_window_std(pair, peak, phase, window, coherence),
             wrap_error_probability=wide.wrap_error_probability,
             quality=wide.quality,
             valid=wide.valid & narrow.valid & within,

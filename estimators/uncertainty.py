@@ -5,15 +5,17 @@ import numpy as np
 from estimators import bounds
 from estimators.lag_product import power
 from estimators.peak import Peak
-from estimators.posterior import phase_std
-from estimators.windows import FixedWindow
+from estimators.posterior import Looks, phase_std
+from estimators.windows import Window
 from sim import EchoPair
 from sim.band import Real
 
 
-def debiased_coherence(sample_coherence: Real, looks: float) -> Real:
+def debiased_coherence(sample_coherence: Real, looks: Looks) -> Real:
     """Coherence that a sample coherence stands for; a single look, which says nothing, stands for none."""
-    return np.zeros_like(sample_coherence) if looks <= 1 else bounds.debias_coherence(sample_coherence, looks)
+    several = np.asarray(looks) > 1
+    debiased: Real = np.where(several, bounds.debias_coherence(sample_coherence, np.where(several, looks, 2.0)), 0.0)
+    return debiased
 
 
 def predicted_std(bound: Real, search: float) -> Real:
@@ -22,7 +24,7 @@ def predicted_std(bound: Real, search: float) -> Real:
     return std
 
 
-def small_window_std(pair: EchoPair, peak: Peak, small: FixedWindow, large: FixedWindow, coherence: Real) -> Real:
+def small_window_std(pair: EchoPair, peak: Peak, small: Window, large: Window, coherence: Real) -> Real:
     """Standard deviation of the delay [s] from the phase of a small window, whose coherence a large one tells.
 
     Given the magnitudes in the small window the phase has von Mises' density, of concentration
@@ -45,7 +47,7 @@ def small_window_std(pair: EchoPair, peak: Peak, small: FixedWindow, large: Fixe
     mean = around / around.mean() * peak.energy.mean() if around.mean() > 0 else np.zeros_like(around)
     relative = np.divide(np.abs(peak.product), mean, out=np.zeros(pair.shape), where=mean > 0)
     # The mean of 1 / (1 - g^2) of N looks is (N - 1) / (N - 2) times what it estimates.
-    freedom = max(large.looks(pair), 3.0)
+    freedom = np.maximum(large.looks(pair), 3.0)
     noise = np.maximum((1 - coherence) * (1 + coherence), 1e-300) * (freedom - 1) / (freedom - 2)
     concentration = 2 * coherence / noise * relative * small.looks(pair)
     std: Real = phase_std(concentration) / (2 * np.pi * pair.centre_frequency)

@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from estimators.lag_product import LagStack
-from estimators.peak import STENCIL
+from estimators.peak_kernels import STENCIL
 from estimators.posterior import Looks
 from sim.band import Complex, Real
 
@@ -71,9 +72,7 @@ def wrap_doubt(stack: LagStack, delay: Real, looks: Looks, centre_frequency: flo
     shape = np.broadcast_shapes(stack.products.shape[1:], np.shape(delay))
     if np.max(looks) <= 1:
         return np.full(shape, max(1 - 1 / (2 * search * centre_frequency), 0.0))
-    # A record that is not periodic has been continued.
-    of_time = np.broadcast_to(looks, shape[1:]) if np.ndim(looks) == 0 else np.resize(looks, shape[1])
-    distinct, which = np.unique(of_time, return_inverse=True)
+    distinct, which = _looks_at(looks, shape[1])
     found: Real = _doubts(
         *(np.broadcast_to(lags, (len(lags), *shape)) for lags in (stack.products, stack.energies)),
         np.ascontiguousarray(np.broadcast_to(delay, shape)) / stack.step,
@@ -108,10 +107,15 @@ def sub_band_doubt(low: Complex, high: Complex, energy: Real, delay: Real, spaci
     most = int(np.ceil(2 * search)) + 1
     # The delay's own wrap first.
     wraps = np.concatenate([[0], np.arange(1, most + 1), np.arange(-most, 0)])
-    distinct, which = np.unique(np.broadcast_to(looks, low.shape[1:]), return_inverse=True)
+    distinct, which = _looks_at(looks, low.shape[1])
     tables = np.stack([_mass_table(float(n)) for n in distinct])
     found: Real = _sub_band_doubts(low, high, energy, delay, wraps, spacing, search, distinct, which, tables)
     return found
+
+
+def _looks_at(looks: Looks, times: int) -> tuple[Real, NDArray[np.intp]]:
+    """Distinct looks, and which of them stands at each time; a record that is not periodic has been continued."""
+    return np.unique(np.resize(looks, times), return_inverse=True)
 
 
 @lru_cache(maxsize=256)

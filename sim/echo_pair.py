@@ -19,16 +19,17 @@ class Truth:
     ----------
     delay
         Delay of the secondary behind the primary as the pair stands (after registration, where it was
-        registered) [s]; shape (time,) or (rows, 1). NaN where it is not unique: in shadow and layover.
+        registered) [s]; shape (time,) where all rows are alike, (rows, time) where they are not, or (rows, 1). NaN
+        where it is not unique: in shadow and layover.
     height
         Height above the reference plane [m], NaN likewise; None for a homogeneous patch.
     shadow
-        Where a receiver sees no seabed at all; shape (time,).
+        Where a receiver sees no seabed at all; shape of `delay`.
     layover
-        Where a receiver sees more than one part of the seabed at once; shape (time,).
+        Where a receiver sees more than one part of the seabed at once; shape of `delay`.
     branches
-        Delays of all parts of the seabed that the primary sees at a time [s], shape (branch, time), NaN
-        where a branch is not seen.
+        Delays of all parts of the seabed that both receivers see at a time [s], shape (branch, time) or (branch,
+        rows, time), NaN where a branch is not seen.
     """
 
     delay: Real
@@ -36,6 +37,18 @@ class Truth:
     shadow: NDArray[np.bool_] | None = None
     layover: NDArray[np.bool_] | None = None
     branches: Real | None = None
+
+    def rows(self, chosen: slice) -> "Truth":
+        """That of only these rows."""
+        if np.ndim(self.delay) == 1:
+            return self
+        return Truth(
+            delay=self.delay[chosen],
+            height=None if self.height is None else self.height[chosen],
+            shadow=None if self.shadow is None else self.shadow[chosen],
+            layover=None if self.layover is None else self.layover[chosen],
+            branches=None if self.branches is None else self.branches[:, chosen],
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +76,11 @@ class EchoPair:
         How likely each row is in nature over how likely it was to be drawn, shape (rows,), where rare errors were
         made frequent: the mean of `likelihood_ratio * wrong` over rows is the natural rate. None where all rows are
         drawn as in nature.
+    row_spacing
+        Distance of rows along track [m], where that is known.
+    row_looks
+        Independent looks in a row among many, above 0 to 1: `row_spacing` over the along-track resolution where rows
+        stand closer than that.
 
     Raises
     ------
@@ -79,6 +97,8 @@ class EchoPair:
     geometry: Geometry | None = None
     circular: bool = False
     likelihood_ratio: Real | None = None
+    row_spacing: float | None = None
+    row_looks: float = 1.0
 
     def __post_init__(self) -> None:
         for name in ("primary", "secondary"):
@@ -105,6 +125,10 @@ class EchoPair:
                 f"bandwidth is {self.bandwidth:g} Hz; it must be below twice the centre frequency, "
                 f"{2 * self.centre_frequency:g} Hz"
             )
+        if self.row_spacing is not None:
+            checks.positive("row_spacing", self.row_spacing, "m")
+        if not 0 < self.row_looks <= 1:
+            raise ValueError(f"row_looks is {self.row_looks:g}; it must be above 0 and at most 1")
         if self.likelihood_ratio is not None:
             object.__setattr__(self, "likelihood_ratio", self._checked_ratio(self.likelihood_ratio))
 
@@ -128,14 +152,11 @@ class EchoPair:
 
     def rows(self, chosen: slice) -> "EchoPair":
         """The same pair with only these of its rows, and what is known of them."""
-        truth = self.truth
-        if truth is not None and np.ndim(truth.delay) == 2:
-            truth = replace(truth, delay=truth.delay[chosen])
         return replace(
             self,
             primary=self.primary[chosen],
             secondary=self.secondary[chosen],
-            truth=truth,
+            truth=None if self.truth is None else self.truth.rows(chosen),
             likelihood_ratio=None if self.likelihood_ratio is None else self.likelihood_ratio[chosen],
         )
 

@@ -3,24 +3,23 @@
 import finufft
 import numpy as np
 
-from sim.band import Band, Complex, Real, circular_gaussian
+from sim.band import Band, Complex, Real
 from sim.geometry import travel_times
 from sim.levels import scatterer_power
-from sim.scene import Scene
-from sim.sonar import Sonar
-from sim.visibility import SeabedPoints, position, sees
+from sim.listening import Listening
+from sim.profile import Profile, SeabedPoints
+from sim.streams import Streams, Use
+from sim.texture import scattered, texture_shape
+from sim.visibility import sees
 
-ACCURACY = 1e-12
-"""Relative accuracy asked of the non-uniform FFT; a coarser one saves at most a third of its time."""
 
-
-def place_scatterers(scene: Scene, spacing: float, rng: np.random.Generator) -> tuple[SeabedPoints, Real]:
+def place_scatterers(profile: Profile, spacing: float, rng: np.random.Generator) -> tuple[SeabedPoints, Real]:
     """Points along the whole outline of the seabed, walls included, one at random in each cell of its length.
 
     Parameters
     ----------
-    scene
-        The scene.
+    profile
+        A section of the seabed.
     spacing
         Largest length of a cell [m].
     rng
@@ -31,15 +30,16 @@ def place_scatterers(scene: Scene, spacing: float, rng: np.random.Generator) -> 
     points, length
         The points, and the length of the cell that each stands for [m]; shape (scatterer,).
     """
-    lengths = np.hypot(*np.diff(scene.profile, axis=0).T)
-    cells = np.maximum(np.ceil(lengths / spacing), 1).astype(np.int64)
+    cells = np.maximum(np.ceil(profile.lengths / spacing), 1).astype(np.int64)
     segment = np.repeat(np.arange(len(cells)), cells)
     cell = np.arange(len(segment)) - np.repeat(np.cumsum(cells) - cells, cells)
     share = (cell + rng.random(len(segment))) / cells[segment]
-    return SeabedPoints(segment, share), (lengths / cells)[segment]
+    return SeabedPoints(segment, share), (profile.lengths / cells)[segment]
 
 
-def echo_spectrum(band: Band, centre_frequency: float, times: Real, amplitudes: Complex) -> Complex:
+def echo_spectrum(
+    band: Band, centre_frequency: float, times: Real, amplitudes: Complex, accuracy: float = 1e-12
+) -> Complex:
     """Spectrum of the sum of the echoes of all scatterers.
 
     `p(t) = sum_j a_j h(t - t_j) exp(-2 pi i fc t_j)` with the pulse `h(t) = sum_k v_k exp(2 pi i f_k t)` of the
@@ -56,44 +56,53 @@ def echo_spectrum(band: Band, centre_frequency: float, times: Real, amplitudes: 
         Arrival of each scatterer's echo, `t_j` [s], shape (scatterer,).
     amplitudes
         Complex strength of each scatterer, `a_j`, shape (rows, scatterer).
+    accuracy
+        Relative accuracy of the transform.
 
     Returns
     -------
     array
         Shape (rows, bins).
     """
-    phase = np.mod((times - band.grid.start) * (2 * np.pi / band.grid.period), 2 * np.pi)
+    phase = (times - band.grid.start) * (2 * np.pi / band.grid.period)
     carried = amplitudes * np.exp(-2j * np.pi * centre_frequency * times)
-    bins = finufft.nufft1d1(phase, carried, band.harmonics.size, eps=ACCURACY, isign=-1, nthreads=1)
+    bins = finufft.nufft1d1(phase, carried, band.harmonics.size, eps=accuracy, isign=-1, nthreads=1)
     spectrum: Complex = np.atleast_2d(bins) * (np.sqrt(band.weights) / band.weights.sum())
     return spectrum
 
 
-def scene_spectra(
-    scene: Scene, sonar: Sonar, band: Band, rows: int, per_resolution: float, rng: np.random.Generator
-) -> tuple[Complex, Complex]:
-    """Noise-free spectra of a scene at both receivers, shape (rows, bins) each.
+def scatterer_spectra(listening: Listening, profile: Profile, rows: range, streams: Streams) -> tuple[Complex, Complex]:
+    """Noise-free spectra of rows with one section at both receivers, shape (rows, bins) each.
 
     Each scatterer has a circular Gaussian strength of its own in every row, so that the speckle is Gaussian at any
-    density; rows share the places. A scatterer is heard where the transmitter and that receiver see it.
+    density; the rows share the places. A scatterer is heard where the transmitter and that receiver see it.
 
     Parameters
     ----------
-    scene, sonar, band
-        What is seen, by what, in which band.
+    listening
+        What is seen, by what, and how many scatterers at which accuracy and level.
+    profile
+        The section.
     rows
-        Independent rows.
-    per_resolution
-        Scatterers in a length `c / (2 B)` of seabed.
-    rng
+        Numbers of the rows.
+    streams
         Source of places and strengths.
     """
-    points, length = place_scatterers(scene, sonar.range_resolution / per_resolution, rng)
-    seen = sees(scene, points, sonar.altitude)
-    points, length = SeabedPoints(points.segment[seen], points.share[seen]), length[seen]
-    times = travel_times(sonar, *position(scene, points))
-    amplitudes = circular_gaussian((rows, len(length)), rng) * np.sqrt(scatterer_power(scene, sonar, points, length))
-    seen_above = sees(scene, points, sonar.altitude + sonar.baseline)
-    primary = echo_spectrum(band, sonar.centre_frequency, times[0], amplitudes)
-    secondary = echo_spectrum(band, sonar.centre_frequency, times[1], amplitudes * seen_above)
-    return primary, secondary
+    scene, sonar, plan = listening.scene, listening.sonar, listening.plan
+    # Sections that differ have places of their own.
+    places = streams.of(Use.PLACES, 0 if plan.sections == "one" else rows.start)
+    points, length = place_scatterers(profile, sonar.range_resolution / plan.scatterers_per_resolution, places)
+    if plan.shadow:
+        seen = sees(profile, points, sonar.altitude)
+        points, length = points.chosen(seen), length[seen]
+    times = travel_times(sonar, *profile.position(points))
+    power = scatterer_power(scene, sonar, profile, points, length, plan.level)
+    amplitudes = streams.gaussian(Use.SPECKLE, rows, len(length)) * np.sqrt(power)
+    if np.isfinite(scene.speckle_shape):
+        in_range = scattered(plan.scatterers_per_resolution)
+        shape = texture_shape(scene.speckle_shape, in_range, plan.along_track)
+        amplitudes *= np.sqrt(streams.texture(rows, len(length), shape))
+    primary = echo_spectrum(listening.band, sonar.centre_frequency, times[0], amplitudes, plan.accuracy)
+    if plan.shadow:
+        amplitudes *= sees(profile, points, sonar.altitude + sonar.baseline)
+    return primary, echo_spectrum(listening.band, sonar.centre_frequency, times[1], amplitudes, plan.accuracy)

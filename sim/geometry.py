@@ -56,6 +56,33 @@ def plane_delay(sonar: Sonar, time: ArrayLike) -> Real:
     return delay
 
 
+def ground_length(altitude: float, slant_range: ArrayLike, extent: float) -> Real:
+    """Length of the piece of the plane whose slant ranges lie within `extent / 2` of a range.
+
+    `sqrt((r + e/2)^2 - H^2) - sqrt((r - e/2)^2 - H^2)`, about `e / cos th` but for the nadir, where it stays finite.
+
+    Parameters
+    ----------
+    altitude
+        Height above the plane, `H` [m].
+    slant_range
+        `r` [m], any shape.
+    extent
+        Of slant range, `e` [m].
+
+    Returns
+    -------
+    array
+        Length [m], of the shape of `slant_range`; 0 where no slant range of the piece reaches the plane.
+    """
+    slant, half = np.asarray(slant_range, dtype=float), extent / 2
+    near = np.sqrt(np.maximum(np.maximum(slant - half, 0.0) ** 2 - altitude**2, 0.0))
+    far = np.sqrt(np.maximum((slant + half) ** 2 - altitude**2, 0.0))
+    # The difference of two roots, without loss of digits at long range.
+    length: Real = np.where(near > 0, 4 * slant * half / np.where(near > 0, far + near, 1.0), far)
+    return length
+
+
 @dataclass(frozen=True)
 class Geometry:
     """Places a pair that was registered to the reference plane of a sonar.
@@ -70,6 +97,33 @@ class Geometry:
 
     sonar: Sonar
     start: float
+
+    def slant_range(self, time: ArrayLike) -> Real:
+        """Distance from the primary of what it hears at a time [s]: `r = c t / 2` [m]."""
+        slant: Real = self.sonar.sound_speed / 2 * np.asarray(time, dtype=float)
+        return slant
+
+    def ground_range(self, time: ArrayLike, height: ArrayLike = 0.0) -> Real:
+        """Horizontal distance of what the primary hears at a time from a height.
+
+        `y = sqrt(r^2 - (H - z)^2)` with `r = c t / 2`.
+
+        Parameters
+        ----------
+        time
+            Time at the primary, `t` [s].
+        height
+            Height above the reference plane, `z` [m]; they broadcast.
+
+        Returns
+        -------
+        array
+            Ground range, `y` [m]; NaN where the echo is too early to come from that height.
+        """
+        slant, depression = self.slant_range(time), self.sonar.altitude - np.asarray(height, dtype=float)
+        square = (slant - depression) * (slant + depression)
+        ground: Real = np.sqrt(np.where(square >= 0, square, np.nan))
+        return ground
 
     def registered_delay(self, time: ArrayLike, time_secondary: ArrayLike) -> Real:
         """Delay that registration leaves of echoes at two times.

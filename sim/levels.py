@@ -1,16 +1,29 @@
 """How strong the scatterers of a scene are: alike everywhere, or as sediment and sonar equation say."""
 
+from functools import lru_cache
+from typing import Literal
+
 import numpy as np
 
 from sim.band import Real
 from sim.geometry import travel_times
+from sim.profile import Profile, SeabedPoints
+from sim.scattering import Model, scattering_strength
 from sim.scene import Scene
+from sim.sediment import Sediment
 from sim.sonar import Sonar
 from sim.sonar_equation import echo_level, propagation
-from sim.visibility import SeabedPoints, position
+
+Level = Literal["even", "flat", "local"]
+"""Which level echoes have: the same everywhere, that of the flat floor, or that of their own piece of seabed."""
+
+ANGLES = np.linspace(0.0, 90.0, 9001)
+"""Grazing angles at which the strength of a sediment is tabulated [degrees]."""
 
 
-def scatterer_power(scene: Scene, sonar: Sonar, points: SeabedPoints, length: Real) -> Real:
+def scatterer_power(
+    scene: Scene, sonar: Sonar, profile: Profile, points: SeabedPoints, length: Real, level: Level
+) -> Real:
     """Mean power of scatterers, shape (scatterer,).
 
     Relative to the noise of a receiver where the scene has a sediment (`level_of_sediment`), and so that the flat floor
@@ -20,12 +33,21 @@ def scatterer_power(scene: Scene, sonar: Sonar, points: SeabedPoints, length: Re
     ----------
     scene, sonar
         What is seen, and by what.
-    points, length
-        Places on the seabed, and the length that each stands for [m].
+    profile, points, length
+        A section of the scene, places on it, and the length that each stands for [m].
+    level
+        "even" for a scene without sediment; for one with, "local" or, without regard to relief, "flat".
     """
-    if scene.sediment is None:
-        return level_of_floor(sonar, travel_times(sonar, *position(scene, points))[0], length)
-    return level_of_sediment(scene, sonar, points, length)
+    if level == "even":
+        return level_of_floor(sonar, travel_times(sonar, *profile.position(points))[0], length)
+    if level == "flat":
+        ground_range, height = profile.position(points)
+        slant = np.hypot(ground_range, sonar.altitude - height)
+        flat = Profile(np.array(scene.ground_range), np.zeros(2), profile.along_track)
+        near, far = scene.ground_range
+        share = (np.sqrt(np.maximum(slant**2 - sonar.altitude**2, near**2)) - near) / (far - near)
+        points, profile = SeabedPoints(np.zeros(len(share), dtype=np.int64), share), flat
+    return level_of_sediment(scene, sonar, profile, points, length)
 
 
 def level_of_floor(sonar: Sonar, points_time: Real, length: Real) -> Real:
@@ -50,13 +72,14 @@ def level_of_floor(sonar: Sonar, points_time: Real, length: Real) -> Real:
     return power
 
 
-def level_of_sediment(scene: Scene, sonar: Sonar, points: SeabedPoints, length: Real) -> Real:
+def level_of_sediment(scene: Scene, sonar: Sonar, profile: Profile, points: SeabedPoints, length: Real) -> Real:
     """Mean power of scatterers over that of the noise, before `range_gain`.
 
     The sonar equation of the area `dx dl` that each stands for, at its local grazing angle: `sin th = n . e` for the
     normal `n` of the seabed and the unit vector `e` back to the transmitter. A series of bandwidth `B` has unit power
     where the scatterers bring `B` a second, and within `1 / B` the floor brings `dl = c / (2 B cos th)`, the
-    resolution cell of the sonar equation.
+    resolution cell of the sonar equation. Strengths and beams are read from
+    tables in steps of .01 degree.
 
     Parameters
     ----------
@@ -64,26 +87,47 @@ def level_of_sediment(scene: Scene, sonar: Sonar, points: SeabedPoints, length: 
         With a sediment.
     sonar
         Geometry and sonar equation.
-    points, length
-        Places on the seabed, and the length that each stands for, `dl` [m].
+    profile, points, length
+        Places on a section of the seabed, and the length that each stands for, `dl` [m].
     """
-    assert scene.sediment is not None
-    ground_range, height = position(scene, points)
+    ground_range, height = profile.position(points)
     depth = sonar.altitude - height
     slant = np.hypot(ground_range, depth)
-    along, up = np.diff(scene.profile, axis=0)[points.segment].T
-    sine = (along * depth + up * ground_range) / (np.hypot(along, up) * slant)
-    terms = echo_level(
-        sonar,
-        scene.sediment,
-        slant_range=slant,
-        depression=np.degrees(np.arctan2(depth, ground_range)),
-        grazing_angle=np.degrees(np.arcsin(np.clip(sine, -1.0, 1.0))),
-        area=sonar.aperture.resolution * length,
-        model=scene.scattering,
-    )
-    power: Real = 10 ** ((terms.snr - terms.range_gain) / 10)
+    along, up = profile.along[points.segment], profile.up[points.segment]
+    sine = (along * depth + up * ground_range) / (profile.lengths[points.segment] * slant)
+    grazing = np.degrees(np.arcsin(np.clip(sine, -1.0, 1.0)))
+    strength = _strength(scene.sediment, grazing, sonar, scene.scattering)
+    for patch in scene.patches:
+        if patch.is_at(profile.along_track):
+            near, far = patch.ground_range
+            inside = (ground_range >= near) & (ground_range < far)
+            strength[inside] = _strength(patch.sediment, grazing[inside], sonar, scene.scattering)
+    area = sonar.aperture.resolution * length
+    power: Real = strength * area * np.interp(np.degrees(np.arctan2(depth, ground_range)), ANGLES, _beams(sonar))
     return power
+
+
+def _strength(sediment: Sediment | str | None, grazing_angle: Real, sonar: Sonar, model: Model) -> Real:
+    """Backscatter per area of pieces of seabed; 0 where they are not lit."""
+    assert isinstance(sediment, Sediment)
+    table = _strengths(sediment, sonar.centre_frequency, sonar.sound_speed, model)
+    strength: Real = np.interp(grazing_angle, ANGLES, table)
+    return strength
+
+
+@lru_cache(maxsize=64)
+def _strengths(sediment: Sediment, frequency: float, sound_speed: float, model: Model) -> Real:
+    table: Real = 10 ** (scattering_strength(sediment, ANGLES, frequency, model=model, sound_speed=sound_speed) / 10)
+    return table
+
+
+@lru_cache(maxsize=16)
+def _beams(sonar: Sonar) -> Real:
+    """What remains of the sonar equation for a piece of 1 m^2 and 0 dB, at depressions `ANGLES`."""
+    one = np.ones(len(ANGLES))
+    terms = echo_level(sonar, "sand", one, ANGLES, 90 * one[:1], one, "small-slope")
+    table: Real = 10 ** ((terms.snr - terms.range_gain - terms.scattering_strength) / 10)
+    return table
 
 
 def range_gain(sonar: Sonar, time: Real) -> Real:

@@ -1,39 +1,72 @@
 """Registration: the secondary moved onto the primary for the reference plane."""
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import finufft
 import numpy as np
 
-from sim.band import Band, Complex
-from sim.echoes import ACCURACY
+from sim.band import Band, Complex, Real
 from sim.geometry import plane_delay
 from sim.sonar import Sonar
 
 
-def register(spectrum: Complex, band: Band, sonar: Sonar) -> Complex:
-    """Resample a secondary series so that echoes of the reference plane stand where the primary has them.
+@dataclass(frozen=True, eq=False)
+class Resampling:
+    """Reads passband series at other instants than those of their grid, at times `t - delay(t)`.
 
-    The passband signal is resampled, so that the carrier moves along: at the instants `t` of the grid
-    `exp(2 pi i fc tau) sum_k S_k exp(2 pi i f_k (t + tau - t_0))` with `tau = plane_delay(t)`; exact for the band, one
-    type-2 non-uniform FFT. What is left is `secondary(t + delay) ~ primary(t) exp(-2 pi i fc delay)` with the delay
-    relative to the plane.
+    The carrier moves along: `exp(-2 pi i fc delay) sum_k S_k exp(2 pi i f_k (t - delay - t_0))`; exact for the band,
+    one type-2 non-uniform FFT.
+
+    Attributes
+    ----------
+    band
+        Of the series, on the grid of the instants `t`.
+    centre_frequency
+        `fc` [Hz].
+    delay
+        By how much what is read came before [s], shape (samples,).
+    accuracy
+        Relative accuracy of the transform.
+    """
+
+    band: Band
+    centre_frequency: float
+    delay: Real
+    accuracy: float = 1e-12
+
+    @cached_property
+    def _turn(self) -> Complex:
+        turn: Complex = np.exp(-2j * np.pi * self.centre_frequency * self.delay)
+        return turn
+
+    @cached_property
+    def _phase(self) -> Real:
+        grid = self.band.grid
+        phase: Real = (grid.times - self.delay - grid.start) * (2 * np.pi / grid.period)
+        return phase
+
+    def series(self, spectrum: Complex) -> Complex:
+        """The resampled series of spectra, from shape (rows, bins) to (rows, samples)."""
+        series = finufft.nufft1d2(self._phase, spectrum, eps=self.accuracy, isign=1, nthreads=1)
+        resampled: Complex = np.atleast_2d(series)
+        resampled *= self._turn
+        return resampled
+
+
+def registration(band: Band, sonar: Sonar, accuracy: float = 1e-12) -> Resampling:
+    """Resampling of a secondary so that echoes of the reference plane stand where the primary has them.
+
+    The secondary is read at `t + plane_delay(t)`; what is left is `secondary(t + delay) ~ primary(t) exp(-2 pi i fc
+    delay)` with the delay relative to the plane.
 
     Parameters
     ----------
-    spectrum
-        Spectrum of the secondary, `S_k`, shape (rows, bins).
     band
-        Its band, on the time grid of the pair.
+        Of the secondary, on the time grid of the pair.
     sonar
         Geometry and `fc`.
-
-    Returns
-    -------
-    array
-        The registered series, shape (rows, samples).
+    accuracy
+        Relative accuracy of the transform.
     """
-    times = band.grid.times
-    delay = plane_delay(sonar, times)
-    phase = np.mod((times + delay - band.grid.start) * (2 * np.pi / band.grid.period), 2 * np.pi)
-    series = finufft.nufft1d2(phase, spectrum, eps=ACCURACY, isign=1, nthreads=1)
-    registered: Complex = np.atleast_2d(series) * np.exp(2j * np.pi * sonar.centre_frequency * delay)
-    return registered
+    return Resampling(band, sonar.centre_frequency, -plane_delay(sonar, band.grid.times), accuracy)

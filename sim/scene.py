@@ -1,147 +1,173 @@
-"""What the sonar looks at: a flat floor with things on it, in the plane of ground range and height."""
+"""What the sonar looks at: a floor at height 0, what shapes it, and what it is made of."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import Protocol, get_args
+from typing import get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sim import checks
 from sim.band import Real
 from sim.catalogue import find
+from sim.features import EVERYWHERE, Feature, Outline
+from sim.profile import Profile
 from sim.scattering import Model
 from sim.sediment import Sediment
 
 
-class Feature(Protocol):
-    """Something that stands on the floor."""
-
-    @property
-    def start(self) -> float:
-        """Ground range at which it begins [m]."""
-
-    @property
-    def width(self) -> float:
-        """How far it reaches in ground range [m]."""
-
-    @property
-    def outline(self) -> tuple[tuple[float, float], ...]:
-        """Corners (ground range, height) [m] from its near to its far foot."""
-
-
 @dataclass(frozen=True)
-class Box:
-    """A rectangular box with vertical walls.
+class SedimentPatch:
+    """A rectangle of seabed of another sediment.
 
     Parameters
     ----------
-    start
-        Ground range of its near wall [m].
-    width
-        Extent in ground range [m].
-    height
-        Height of its top above the floor [m].
+    ground_range
+        Its near and far end [m].
+    sediment
+        A sediment, or the name of one in `SEDIMENTS`.
+    along_track
+        Where it begins and ends along track [m]; without end by default.
     """
 
-    start: float
-    width: float
-    height: float
+    ground_range: tuple[float, float]
+    sediment: Sediment | str
+    along_track: tuple[float, float] = EVERYWHERE
 
     def __post_init__(self) -> None:
-        _check_feature(self.start, self.width, self.height)
+        object.__setattr__(self, "sediment", find(self.sediment))
+        for name, (first, last) in (("ground_range", self.ground_range), ("along_track", self.along_track)):
+            if not first < last:
+                raise ValueError(f"{name} is ({first:g}, {last:g}) m; it must begin before it ends")
 
-    @property
-    def outline(self) -> tuple[tuple[float, float], ...]:
-        """Corners (ground range, height) [m]."""
-        end = self.start + self.width
-        return (self.start, 0.0), (self.start, self.height), (end, self.height), (end, 0.0)
+    def is_at(self, along_track: float) -> bool:
+        """Whether it reaches to a place along track [m]."""
+        return self.along_track[0] <= along_track < self.along_track[1]
 
 
 @dataclass(frozen=True)
-class Wedge:
-    """A triangular box: two equal slopes that meet at its crest.
+class PointTarget:
+    """A single scatterer, the same to both receivers, that hides nothing.
 
     Parameters
     ----------
-    start
-        Ground range of its near foot [m].
-    width
-        Extent in ground range [m].
-    height
-        Height of its crest above the floor [m].
+    ground_range, height
+        Where it lies [m].
+    level
+        Power at its peak, over that of the flat floor (a scene without sediment) or of the noise (one with) [dB].
+    along_track
+        Where it lies along track [m].
     """
 
-    start: float
-    width: float
-    height: float
+    ground_range: float
+    height: float = 0.0
+    level: float = 20.0
+    along_track: float = 0.0
 
     def __post_init__(self) -> None:
-        _check_feature(self.start, self.width, self.height)
-
-    @property
-    def outline(self) -> tuple[tuple[float, float], ...]:
-        """Corners (ground range, height) [m]."""
-        return (self.start, 0.0), (self.start + self.width / 2, self.height), (self.start + self.width, 0.0)
-
-
-def _check_feature(start: float, width: float, height: float) -> None:
-    checks.positive("start", start, "m")
-    checks.positive("width", width, "m")
-    checks.positive("height", height, "m")
+        checks.positive("ground_range", self.ground_range, "m")
+        for name, unit in (("height", "m"), ("level", "dB"), ("along_track", "m")):
+            checks.finite(name, getattr(self, name), unit)
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A seabed seen from ground range 0: a floor at height 0, and features that stand side by side on it.
+    """A seabed seen from ground range 0: a floor at height 0, and features whose heights add up on it.
 
     Parameters
     ----------
     ground_range
         Near and far end of the floor [m].
     features
-        What stands on it, in any order.
+        What shapes it, in any order.
     sediment
-        What floor and features are made of, a sediment or the name of one in `SEDIMENTS`: levels then follow from the
-        sonar equation. None for a seabed without absolute level, that scatters alike at every angle.
+        What all is made of, a sediment or the name of one in `SEDIMENTS`: levels then follow from the sonar equation.
+        None for a seabed without absolute level, that scatters alike at every angle.
     scattering
         The scattering model of the sediment; by default the one that paper B used.
+    patches
+        Where it is of another sediment; the last that reaches to a place decides.
+    targets
+        Single scatterers.
+    speckle_shape
+        Shape of K-distributed speckle, above 0: the intensity of a single look has the second moment
+        `2 (1 + 1 / shape)` of its squared mean. Infinite for fully developed speckle.
 
     Raises
     ------
     ValueError
-        For ends out of order, features that overlap or reach beyond the floor, and an unknown sediment or model.
+        For ends out of order, boxes, slopes or steps that reach beyond the floor, an unknown sediment or model, and
+        for patches in a scene without sediment.
     """
 
     ground_range: tuple[float, float]
     features: Sequence[Feature] = ()
     sediment: Sediment | str | None = None
     scattering: Model = "small-slope"
+    patches: Sequence[SedimentPatch] = ()
+    targets: Sequence[PointTarget] = ()
+    speckle_shape: float = np.inf
 
     def __post_init__(self) -> None:
         near, far = (checks.positive("ground_range", end, "m") for end in self.ground_range)
         if near >= far:
             raise ValueError(f"ground_range is ({near:g}, {far:g}) m; its near end must come before its far end")
-        ordered = tuple(sorted(self.features, key=lambda feature: feature.start))
-        object.__setattr__(self, "features", ordered)
-        for feature in ordered:
-            if feature.start <= near or feature.start + feature.width >= far:
+        for name in ("features", "patches", "targets"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+        for feature in self.features:
+            if feature.ends and not (near < feature.ends[0] and feature.ends[1] < far):
                 raise ValueError(f"{feature} leaves the scene; it must stand between {near:g} and {far:g} m")
-        for left, right in pairwise(ordered):
-            if left.start + left.width > right.start:
-                raise ValueError(f"{left} and {right} overlap; features must stand side by side")
+        for target in self.targets:
+            if not near <= target.ground_range <= far:
+                raise ValueError(f"{target} leaves the scene; it must lie between {near:g} and {far:g} m")
         checks.one_of("scattering", self.scattering, get_args(Model))
         if self.sediment is not None:
             object.__setattr__(self, "sediment", find(self.sediment))
+        elif self.patches:
+            raise ValueError("a scene without sediment has patches; it must have a sediment around them")
+        if not self.speckle_shape > 0:
+            raise ValueError(f"speckle_shape is {self.speckle_shape:g}; it must be above 0")
 
     @property
-    def profile(self) -> Real:
-        """Corners of the seabed (ground range, height) [m] in the order of the outline, shape (corner, 2)."""
+    def uniform(self) -> bool:
+        """Whether relief and sediment are the same all along the track."""
+        return all(f.uniform for f in self.features) and all(p.along_track == EVERYWHERE for p in self.patches)
+
+    @property
+    def heights(self) -> tuple[float, float]:
+        """Heights between which it stays [m]: its own, or bounds where it varies along track."""
+        if self.uniform:
+            height = self.profile().height
+            return float(height.min()), float(height.max())
+        bounds = [feature.heights for feature in self.features]
+        return float(sum(low for low, _ in bounds)), float(sum(high for _, high in bounds))
+
+    def profile(self, along_track: float = 0.0) -> Profile:
+        """Its section at a place along track [m]."""
         near, far = self.ground_range
-        corners = [corner for feature in self.features for corner in feature.outline]
-        return np.array([(near, 0.0), *corners, (far, 0.0)])
+        outlines = [feature.outline(along_track, self.ground_range) for feature in self.features]
+        corners = [np.array([near, far]), *(ground_range for ground_range, _ in outlines)]
+        walls = [ground_range[1:][np.diff(ground_range) == 0] for ground_range, _ in outlines]
+        once = np.unique(np.clip(np.concatenate(corners), near, far))
+        twice = np.unique(np.concatenate([once[:0], *walls]))
+        twice = twice[(twice >= near) & (twice <= far)]
+        ground_range = np.sort(np.concatenate([once, twice]))
+        # The first corner at a wall is its near side.
+        far_side = np.append(False, np.diff(ground_range) == 0)
+        height = np.zeros(len(ground_range))
+        for outline in outlines:
+            height += _height(outline, ground_range, far_side)
+        return Profile(ground_range, height, along_track)
 
-    @property
-    def highest(self) -> float:
-        """Height of the highest corner [m]."""
-        return float(self.profile[:, 1].max())
+
+def _height(outline: Outline, ground_range: Real, far_side: NDArray[np.bool_]) -> Real:
+    """Height of an outline, on the near or the far side of its walls."""
+    corners, heights = outline
+    after = np.where(
+        far_side, np.searchsorted(corners, ground_range, "right"), np.searchsorted(corners, ground_range, "left")
+    )
+    before, after = np.maximum(after - 1, 0), np.minimum(after, len(corners) - 1)
+    length = corners[after] - corners[before]
+    share = np.divide(ground_range - corners[before], length, out=np.zeros_like(ground_range), where=length > 0)
+    height: Real = heights[before] + share * (heights[after] - heights[before])
+    return height

@@ -1,25 +1,28 @@
 """From a scene and a sonar to a registered pair of echoes."""
 
+from collections.abc import Iterator
+
 import numpy as np
-import scipy.fft
+from joblib import Parallel, delayed
 
 from sim import checks
-from sim.band import Band, Complex, TimeGrid
-from sim.echo_pair import EchoPair
-from sim.echoes import scene_spectra
-from sim.geometry import Geometry, travel_times
-from sim.levels import range_gain
-from sim.registration import register
+from sim.band import Complex
+from sim.echo_pair import EchoPair, Truth
+from sim.echoes import scatterer_spectra
+from sim.heard import Heard, heard_at
+from sim.listening import Listening
+from sim.plan import Plan, plan
+from sim.profile import Profile
 from sim.scene import Scene
+from sim.snr_profile import SnrProfile
 from sim.sonar import Sonar
-from sim.visibility import truth
+from sim.streams import Streams, Use
+from sim.targets import add_targets
+from sim.truth import stacked, truth
+from sim.warp import warped_series
 
-OVERSAMPLING = 4 / 3
-"""Sample rate over bandwidth: leaves the registered band, which moves by up to `fc D H / (2 r^2)`, inside the Nyquist
-frequency."""
-
-GUARD = 64
-"""Empty resolution cells before and after the scene, so that its ends do not meet on the circular grid."""
+BATCH = 16
+"""Rows of one section that are transformed together."""
 
 
 def simulate(
@@ -27,14 +30,16 @@ def simulate(
     sonar: Sonar,
     *,
     rng: np.random.Generator,
-    snr: float | None = None,
+    snr: float | SnrProfile | None = None,
     rows: int = 1,
-    scatterers_per_resolution: float = 8.0,
+    row_spacing: float | None = None,
+    required: Plan | None = None,
 ) -> EchoPair:
     """Simulate what both receivers hear of a scene, registered to the reference plane.
 
-    Off-grid scatterers along the whole seabed, walls included, with shadow from transmitter and receivers, exact
-    delays, and band-limited noise that is added before registration.
+    `sim.plan` finds out what the scene requires, and no more is modelled: in full, off-grid scatterers along the whole
+    seabed, walls included, with shadow from transmitter and receivers and exact delays; always, band-limited noise in
+    each receiver.
 
     Where the scene has a sediment, the sonar equation says how strong its echoes are: noise has unit mean power in each
     receiver, and the echoes the power that follows from range, beams, sediment and local grazing angle. Where it has
@@ -53,12 +58,15 @@ def simulate(
     rng
         The only source of chance. The same seed gives the same speckle with and without noise.
     snr
-        For a scene without sediment: signal-to-noise ratio of the flat floor in each receiver [dB]; None for no noise.
+        For a scene without sediment: signal-to-noise ratio of the flat floor in each receiver [dB], or its profile over
+        range; None for no noise.
     rows
-        Rows along track, of independent speckle and noise.
-    scatterers_per_resolution
-        Scatterers in a length `c / (2 B)` of seabed, at least 1. Speckle is Gaussian at any density; a low one
-        leaves the power uneven from cell to cell.
+        Rows along track, the first at along-track place 0.
+    row_spacing
+        Their distance [m]. By default the along-track resolution of the sonar, where speckle and noise of rows are
+        independent; at less, neighbours are alike (`sim.AlongTrack`).
+    required
+        What to model; by default what `sim.plan` says of these rows. A plan also says their distance.
 
     Returns
     -------
@@ -68,79 +76,140 @@ def simulate(
     Raises
     ------
     ValueError
-        Where the sonar is not above the scene, a number is outside its limits, or `snr` is given with a sediment.
+        Where the sonar is not above the scene, a number is outside its limits, `snr` is given with a sediment, or a
+        warp is asked for of a seabed that is heard several parts at a time.
     """
-    checks.generator(rng)
+    streams = Streams.drawn(checks.generator(rng))
+    listening = Listening(scene, sonar, _required(scene, sonar, snr, rows, row_spacing, required), snr)
+    return _block(listening, range(rows), streams)
+
+
+def echo_blocks(
+    scene: Scene,
+    sonar: Sonar,
+    *,
+    rng: np.random.Generator,
+    snr: float | SnrProfile | None = None,
+    rows: int,
+    row_spacing: float | None = None,
+    required: Plan | None = None,
+    block: int = 256,
+    jobs: int = 1,
+) -> Iterator[EchoPair]:
+    """Simulate a scene of any length along track, block by block.
+
+    The blocks after one another are `simulate(...)` of all rows, to the last bit, whatever their size and the number of
+    jobs; no more than two blocks a job are held at a time.
+
+    Parameters
+    ----------
+    scene, sonar, rng, snr, rows, row_spacing, required
+        As for `simulate`.
+    block
+        Rows in a block.
+    jobs
+        Threads that simulate blocks.
+
+    Yields
+    ------
+    EchoPair
+        In order; the last may be short.
+
+    Raises
+    ------
+    ValueError
+        As `simulate`.
+    """
+    streams = Streams.drawn(checks.generator(rng))
+    listening = Listening(scene, sonar, _required(scene, sonar, snr, rows, row_spacing, required), snr)
+    checks.count("block", block)
+    blocks = (range(start, min(start + block, rows)) for start in range(0, rows, block))
+    work = (delayed(_block)(listening, numbers, streams) for numbers in blocks)
+    threads = checks.count("jobs", jobs)
+    yield from Parallel(n_jobs=threads, backend="threading", return_as="generator", pre_dispatch="n_jobs")(work)
+
+
+def _required(
+    scene: Scene,
+    sonar: Sonar,
+    snr: float | SnrProfile | None,
+    rows: int,
+    row_spacing: float | None,
+    required: Plan | None,
+) -> Plan:
     checks.count("rows", rows)
     if snr is not None:
-        checks.finite("snr", snr, "dB")
+        given = "given over range" if isinstance(snr, SnrProfile) else f"{checks.finite('snr', snr, 'dB'):g} dB"
         if scene.sediment is not None:
-            raise ValueError(f"snr is {snr:g} dB; it must be left out for a scene whose sediment gives the levels")
-    if checks.finite("scatterers_per_resolution", scatterers_per_resolution) < 1:
-        raise ValueError(f"scatterers_per_resolution is {scatterers_per_resolution:g}; it must be at least 1")
-    if sonar.altitude <= scene.highest:
-        raise ValueError(
-            f"altitude is {sonar.altitude:g} m; it must be above the highest point of the scene, {scene.highest:g} m"
-        )
-    grid = time_grid(scene, sonar)
-    band = Band(grid, sonar.bandwidth)
-    spectra = scene_spectra(scene, sonar, band, rows, scatterers_per_resolution, rng)
-    if scene.sediment is None:
-        primary, secondary = _with_noise(spectra, band, sonar, snr, rng)
-    else:
-        primary, secondary = _in_noise(spectra, band, sonar, rng)
-    geometry = Geometry(sonar, grid.start)
+            raise ValueError(f"snr is {given}; it must be left out for a scene whose sediment gives the levels")
+    if required is None:
+        return plan(scene, sonar, snr=snr, rows=rows, row_spacing=row_spacing)
+    if row_spacing is not None:
+        raise ValueError(f"row_spacing is {row_spacing:g} m; it must be left out where a plan says it")
+    return required
+
+
+def _block(listening: Listening, numbers: range, streams: Streams) -> EchoPair:
+    """Some rows of a scene."""
+    plan = listening.plan
+    halo = plan.along_track.halo
+    raw = range(numbers.start - halo, numbers.stop + halo)
+    series = np.empty((2, len(raw), plan.grid.samples), dtype=np.complex64 if plan.single else np.complex128)
+    truths: list[Truth] = []
+    for some, profile in _sections(listening, raw):
+        inside = slice(some.start - raw.start, some.stop - raw.start)
+        heard = heard_at(profile, listening.sonar, plan.grid.times, listening.sonar.altitude, shadow=plan.shadow)
+        series[0, inside], series[1, inside] = _received(listening, profile, heard, some, streams)
+        if some.start in numbers or (plan.sections == "one" and not truths):
+            truths.append(truth(profile, listening.geometry, plan.grid.times, heard))
+    primary, secondary = (plan.along_track.gather(channel) for channel in series)
+    add_targets(primary, secondary, listening, numbers)
     return EchoPair(
         primary=primary,
         secondary=secondary,
-        sample_rate=grid.sample_rate,
-        centre_frequency=sonar.centre_frequency,
-        bandwidth=sonar.bandwidth,
-        truth=truth(scene, geometry, grid.times),
-        geometry=geometry,
+        sample_rate=plan.grid.sample_rate,
+        centre_frequency=listening.sonar.centre_frequency,
+        bandwidth=listening.sonar.bandwidth,
+        truth=truths[0] if plan.sections == "one" else stacked(truths),
+        geometry=listening.geometry,
         circular=True,
+        row_spacing=plan.along_track.spacing,
+        row_looks=plan.along_track.looks,
     )
 
 
-def _with_noise(
-    spectra: tuple[Complex, Complex], band: Band, sonar: Sonar, snr: float | None, rng: np.random.Generator
-) -> tuple[Complex, Complex]:
-    """Series of echoes as strong as they are, and noise `snr` below unit power, if any."""
-    primary, secondary = spectra
-    if snr is not None:
-        amplitude = 10 ** (-snr / 20)
-        primary += amplitude * band.noise(len(primary), rng)
-        secondary += amplitude * band.noise(len(secondary), rng)
-    return band.series(primary), register(secondary, band, sonar)
+def _sections(listening: Listening, rows: range) -> Iterator[tuple[range, Profile]]:
+    """Rows that have one section, and the section; no more of them than are transformed together."""
+    if listening.plan.sections == "one":
+        profile = listening.scene.profile()
+        for start in range(rows.start, rows.stop, BATCH):
+            yield range(start, min(start + BATCH, rows.stop)), profile
+        return
+    for row in rows:
+        yield range(row, row + 1), listening.scene.profile(row * listening.plan.along_track.spacing)
 
 
-def _in_noise(
-    spectra: tuple[Complex, Complex], band: Band, sonar: Sonar, rng: np.random.Generator
+def _received(
+    listening: Listening, profile: Profile, heard: Heard, rows: range, streams: Streams
 ) -> tuple[Complex, Complex]:
-    """Series of echoes that lose strength on their way, and noise of unit power."""
-    gain = range_gain(sonar, band.grid.times)
-    rows = len(spectra[0])
-    primary = gain * band.series(spectra[0]) + band.series(band.noise(rows, rng))
-    secondary = gain * register(spectra[1], band, sonar) + register(band.noise(rows, rng), band, sonar)
+    """Registered series of rows with one section, echoes and noise."""
+    band = listening.band
+    warps = listening.plan.delays == "warp"
+    if warps:
+        primary, secondary = warped_series(listening, profile, heard, rows, streams)
+    else:
+        spectra = scatterer_spectra(listening, profile, rows, streams)
+        primary, secondary = band.series(spectra[0]), listening.registration.series(spectra[1])
+    primary *= listening.gain
+    secondary *= listening.gain
+    if listening.noise > 0:
+        drawn = streams.gaussian(Use.NOISE, rows, 2 * band.harmonics.size).reshape(len(rows), 2, -1)
+        drawn *= listening.noise * np.sqrt(band.weights / band.weights.sum())
+        primary += band.series(drawn[:, 0])
+        # Beside a warp it is registered but for the stretch of time, as the echoes are.
+        secondary += (
+            band.series(drawn[:, 1]) * listening.recorded_carrier.conj()
+            if warps
+            else listening.registration.series(np.ascontiguousarray(drawn[:, 1]))
+        )
     return primary, secondary
-
-
-def time_grid(scene: Scene, sonar: Sonar) -> TimeGrid:
-    """The circular grid that holds all echoes of a scene at both receivers, with a guard on either side.
-
-    Its length is rounded up to one that the FFT likes, and its period follows.
-    """
-    sample_rate = OVERSAMPLING * sonar.bandwidth
-    first, last = _first_and_last_echo(scene, sonar)
-    guard = GUARD / sonar.bandwidth
-    start = max(first - guard, 0.0)
-    samples = scipy.fft.next_fast_len(int(np.ceil((last + guard - start) * sample_rate)))
-    return TimeGrid(samples, sample_rate, start)
-
-
-def _first_and_last_echo(scene: Scene, sonar: Sonar) -> tuple[float, float]:
-    corners = scene.profile
-    at_primary, at_secondary = travel_times(sonar, corners[:, 0], corners[:, 1])
-    # A slope may come nearer between its corners than at them, but never nearer than its crest is deep.
-    nearest = 2 * np.hypot(corners[0, 0], sonar.altitude - scene.highest) / sonar.sound_speed
-    return min(float(nearest), float(at_primary.min())), float(at_secondary.max())

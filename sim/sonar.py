@@ -115,6 +115,7 @@ SONARS: Mapping[str, Sonar] = MappingProxyType(
             altitude=42.0,
             sound_speed=1480.0,
             transmitter=Transmitter(source_level=TUNED_SOURCE_LEVEL),
+            aperture=SyntheticAperture(resolution=0.0405),
             water=Water(temperature=7.0, salinity=34.0, depth=160.0),
             assumed="bandwidth 30 kHz and sound speed 1480 m/s, which paper B does not give; water of 7 deg C and "
             "salinity 34 at 160 m, where sound goes 1480 m/s; "

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sim.band import Real
+from sim.geometry import ground_length
 from sim.scattering import Model, scattering_strength
 from sim.sediment import Sediment
 from sim.sonar import Sonar
@@ -100,11 +101,7 @@ def sonar_equation(
     if not (np.isfinite(y) & (y >= 0)).all():
         raise ValueError(f"ground_range is {np.min(y):g} m at the least; all must be finite and not below 0 m")
     slant = np.hypot(y, sonar.altitude)
-    half = sonar.range_resolution / 2
-    near = np.sqrt(np.maximum(np.maximum(slant - half, 0.0) ** 2 - sonar.altitude**2, 0.0))
-    # The difference of two roots, without loss of digits at long range.
-    far = np.sqrt((slant + half) ** 2 - sonar.altitude**2)
-    length = np.where(near > 0, 4 * slant * half / (far + near), far)
+    length = ground_length(sonar.altitude, slant, sonar.range_resolution)
     grazing = np.degrees(np.arctan2(sonar.altitude, y))
     return echo_level(sonar, sediment, slant, grazing, grazing, sonar.aperture.resolution * length, model)
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from estimators import DelayEstimate, Estimator, FixedWindow
+from estimators.windows import WindowPolicy
 from sim import EchoPair
 from studies.measurement import Failure
 from studies.named import words_of
@@ -24,7 +25,7 @@ class Attempt(NamedTuple):
     seconds: float
 
 
-def attempt(estimator: Estimator, pair: EchoPair, window: FixedWindow) -> Attempt:
+def attempt(estimator: Estimator, pair: EchoPair, window: WindowPolicy) -> Attempt:
     """Apply an estimator to a pair, without its truth.
 
     Where it raises and the rows are estimated one by one, halves are tried, and halves of these: only the rows at
@@ -35,7 +36,8 @@ def attempt(estimator: Estimator, pair: EchoPair, window: FixedWindow) -> Attemp
         # All estimators see the same echoes.
         series.setflags(write=False)
     start = perf_counter()
-    parts = list(_parts(estimator, unseen, 0, window.rows == 1, [SEARCHES]))
+    by_rows = isinstance(window, FixedWindow) and window.rows == 1
+    parts = list(_parts(estimator, unseen, 0, by_rows, [SEARCHES]))
     seconds = perf_counter() - start
     estimates = [estimate for estimate, _ in parts]
     whole = (

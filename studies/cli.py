@@ -17,6 +17,7 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from estimators.pixels import Pixels
 from sim import checks
 from studies import catalogue, engine, manifest, prediction, report, shards
 from studies.design import methods
@@ -185,7 +186,7 @@ def predict(
                 coherence=coherence,
                 window=window,
                 looks=looks,
-                grid=prediction.ImageGrid(pixel=pixel, looks_per_pixel=looks_per_pixel),
+                pixels=Pixels(along_track=pixel, range=pixel, looks=looks_per_pixel),
                 kappa=kappa,
                 most_wrap_errors=most_wrap_errors,
             ).assign(seabed=seabed or f"coherence {coherence:g}")

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 from pydantic import ValidationError
 
+from estimators import FixedWindow
 from sim import Sonar
 from studies.experiment import Experiment
 from studies.levels import Levels
@@ -178,6 +179,13 @@ def methods(study: Study, point: Point) -> list[Method]:
     found = methods_of(study.estimators, point.world)
     rows, samples = point.world.shape(point.sonar, min(study.trials.block, study.trials.count))
     for method in found:
+        if not isinstance(method.window, FixedWindow):
+            if study.kind != "scene":
+                raise ValueError(
+                    f"{study.name}: a window of {method.section.name} is a policy, which needs ranges; "
+                    f"in a {study.kind} it must be 'record' or [rows, samples]"
+                )
+            continue
         for name, size, most in (("rows", method.window.rows, rows), ("samples", method.window.samples, samples)):
             if size > most:
                 raise ValueError(

@@ -6,6 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from estimators import CrossCorrelation, Estimator, FullBandPhaseSlope, MaximumLikelihood, SplitSpectrum, bounds
+from estimators.posterior import Looks
 from sim import EchoPair, Sonar
 from studies.attempt import Attempt, attempt
 from studies.design import Task
@@ -66,8 +67,9 @@ def measure(task: Task, methods: Sequence[Method], block_trials: int, seed: int)
         estimator, made = apply(method, pair, task, seed)
         if traces:
             traces[" ".join(method.labels)] = made.estimate.delay[0]
-        facts = expected(estimator, method.window.looks(pair), point.world, point.sonar)
-        readings = point.world.read(pair, method.window, made.estimate)
+        window = method.window.on(pair)
+        facts = expected(estimator, window.looks(pair), point.world, point.sonar)
+        readings = point.world.read(pair, window, made.estimate)
         measurements += [_measured(method, reading, len(readings), facts, made, pair) for reading in readings]
     return Block(measurements, traces)
 
@@ -103,13 +105,15 @@ def _measured(
     )
 
 
-def expected(estimator: Estimator, looks: float, world: World, sonar: Sonar) -> Mapping[str, float]:
+def expected(estimator: Estimator, looks: Looks, world: World, sonar: Sonar) -> Mapping[str, float]:
     """What theory says of an estimator, in columns of the table.
 
     `crlb` is the coherent wideband bound whatever the estimator, `ziv_zakai` the bound with wraps for a delay within
     `1 / B` of zero [s]; `predicted_wrap_rate` and `predicted_delay_std` [s] are those of the estimator's kind, and
-    `wrap` the delay of one [s].
+    `wrap` the delay of one [s]. Of looks that vary with time no one number can be said: they and what follows from
+    them are NaN.
     """
+    looks = float(np.max(looks)) if np.ptp(looks) == 0 else np.nan
     fc, ratio, coherence = sonar.centre_frequency, sonar.relative_bandwidth, world.true_coherence
     return {
         "looks": looks,

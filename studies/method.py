@@ -5,15 +5,17 @@ import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
 import estimators
 from estimators import Estimator, FixedWindow
+from estimators.windows import WindowPolicy
 from studies.named import imported, words_of
 from studies.section import Section, suggestion
+from studies.window_section import PolicySection, WindowSection
 from studies.world import World
 
 SHIPPED = tuple(
@@ -22,14 +24,6 @@ SHIPPED = tuple(
 """Names of the estimator classes of this package."""
 
 
-def _size(value: Any) -> Any:
-    pair = isinstance(value, list | tuple) and len(value) == 2 and all(type(n) is int and n >= 1 for n in value)
-    if not (pair or value == "record"):
-        raise ValueError("it must be 'record' or [rows, samples], both whole numbers of at least 1")
-    return tuple(value) if pair else value
-
-
-Size = Annotated[Literal["record"] | tuple[int, int], BeforeValidator(_size)]
 Option = bool | int | float | str
 
 
@@ -44,14 +38,15 @@ class EstimatorSection(Section):
         A class of `estimators`, or `module:object` of one's own: anything that is called with a window and the options
         and gives an estimator. If it takes `rng`, it gets a random generator of its own.
     windows
-        Each [rows, samples], or "record" for all of a patch's record; it is tried with every one of them.
+        Each [rows, samples], "record" for all of a patch's record, or a policy (`PolicySection`); it is tried with
+        every one of them.
     options
         What else it is called with.
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9 ._+-]*$")]
     method: str
-    windows: Annotated[tuple[Size, ...], Field(min_length=1)] = ("record",)
+    windows: Annotated[tuple[WindowSection, ...], Field(min_length=1)] = ("record",)
     options: Mapping[str, Option] = {}
 
 
@@ -60,7 +55,7 @@ class Method:
     """An estimator of a study with one of its windows."""
 
     section: EstimatorSection
-    window: FixedWindow
+    window: WindowPolicy
 
     @property
     def labels(self) -> tuple[str, str]:
@@ -96,11 +91,13 @@ class Method:
 
 def methods_of(sections: tuple[EstimatorSection, ...], world: World) -> list[Method]:
     """Every estimator with each of its windows, for a world that says how long a record is."""
-    return [
-        Method(section, FixedWindow(*(world.record() if size == "record" else size)))
-        for section in sections
-        for size in section.windows
-    ]
+    return [Method(section, _policy(window, world)) for section in sections for window in section.windows]
+
+
+def _policy(window: WindowSection, world: World) -> WindowPolicy:
+    if isinstance(window, PolicySection):
+        return window.window()
+    return FixedWindow(*(world.record() if window == "record" else window))
 
 
 def _found(name: str) -> Any:

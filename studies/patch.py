@@ -5,7 +5,8 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from estimators import DelayEstimate, FixedWindow, bounds
+from estimators import DelayEstimate, bounds
+from estimators.windows import Window
 from sim import EchoPair, Sonar, rare_speckle_pair, speckle_pair
 from sim.band import Real
 from studies.quantity import Decibels, Wraps
@@ -95,10 +96,10 @@ class Patch(Section):
             rng=rng,
         )
 
-    def read(self, pair: EchoPair, window: FixedWindow, estimate: DelayEstimate) -> list[Reading]:
+    def read(self, pair: EchoPair, window: Window, estimate: DelayEstimate) -> list[Reading]:
         """Estimates whose windows do not overlap: one a record where the window is the record."""
         assert pair.truth is not None
-        apart = slice(None, None, window.samples)
+        apart = slice(None, None, window.extent[1])
         return [Reading("", estimate.delay[:, apart] - pair.truth.delay, slice(None), apart)]
 
     def traces(self, pair: EchoPair) -> dict[str, Real]:

@@ -41,7 +41,7 @@ def one_trial(study: Study, seed: int, point: int, block: int, trial: int) -> pd
     for method in methods(study, again.point):
         _, made = apply(method, pair, again, seed)
         said = {failure.trial: failure.error for failure in made.raised}.get(trial, "")
-        for reading in again.point.world.read(pair, method.window, made.estimate):
+        for reading in again.point.world.read(pair, method.window.on(pair), made.estimate):
             of_rows = np.arange(pair.shape[0])[reading.rows]
             if trial not in of_rows:
                 continue

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from estimators import DelayEstimate, FixedWindow
-from estimators.moving_sum import circular_sum
-from sim import Box, EchoPair, Feature, Scene, Sonar, Wedge, simulate
+from estimators import DelayEstimate
+from estimators.moving_sum import window_sum
+from estimators.windows import Window
+from sim import Box, EchoPair, Feature, Scene, Sonar, Wedge, plan, simulate
 from sim.band import Real
-from sim.simulate import time_grid
 from studies.quantity import Decibels, Metres
 from studies.section import Section
 from studies.world import Reading
@@ -73,27 +73,26 @@ class Swath(Section):
 
     def check(self, sonar: Sonar) -> None:
         """ValueError unless the sonar is above the scene."""
-        highest = self.scene().highest
-        if sonar.altitude <= highest:
-            raise ValueError(f"altitude is {sonar.altitude:g} m; it must be above the scene, {highest:g} m")
+        plan(self.scene(), sonar)
 
     def shape(self, sonar: Sonar, trials: int) -> tuple[int, int]:
         """One row a trial, as long as the scene is heard."""
-        return trials, time_grid(self.scene(), sonar).samples
+        return trials, plan(self.scene(), sonar).grid.samples
 
     def simulate(self, sonar: Sonar, trials: int, rng: np.random.Generator) -> EchoPair:
         """One row a trial, registered to the floor."""
         snr = self.snr if np.isfinite(self.snr) else None
         return simulate(self.scene(), sonar, rng=rng, snr=snr, rows=trials)
 
-    def read(self, pair: EchoPair, window: FixedWindow, estimate: DelayEstimate) -> list[Reading]:
+    def read(self, pair: EchoPair, window: Window, estimate: DelayEstimate) -> list[Reading]:
         """Errors outside layover, and in it; there, against the nearest of the parts that are heard at once."""
         truth = pair.truth
         assert truth is not None
         assert truth.branches is not None
         assert truth.layover is not None
         # Rows whose windows do not overlap are independent.
-        rows = slice(window.rows // 2, None, window.rows)
+        most = window.extent[0]
+        rows = slice(most // 2, None, most)
         delay, outside = estimate.delay[rows], clear(pair, window)
         readings = [Reading("outside", (delay - truth.delay)[:, outside], rows, outside)]
         layover = truth.layover & np.isfinite(truth.branches).any(axis=0)
@@ -113,10 +112,11 @@ class Swath(Section):
         return {"slant range": pair.grid.times * geometry.sonar.sound_speed / 2, "truth": truth.branches}
 
 
-def clear(pair: EchoPair, window: FixedWindow) -> NDArray[np.bool_]:
+def clear(pair: EchoPair, window: Window) -> NDArray[np.bool_]:
     """Samples whose window, and a resolution cell to either side of it, holds neither shadow nor layover."""
     truth = pair.truth
     assert truth is not None
-    reach = window.samples + 2 * int(np.ceil(pair.sample_rate / pair.bandwidth))
-    seen: NDArray[np.bool_] = circular_sum(np.isnan(truth.delay).astype(float), reach) == 0
-    return seen
+    reach = window.extent[1] + 2 * int(np.ceil(pair.sample_rate / pair.bandwidth))
+    unseen = np.isnan(truth.delay).astype(float)[None]
+    seen = window_sum(unseen, 1, min(reach, unseen.size), circular=True)[0] == 0
+    return np.broadcast_to(seen, truth.delay.shape)

@@ -5,7 +5,8 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators import DelayEstimate, FixedWindow
+from estimators import DelayEstimate
+from estimators.windows import Window
 from sim import EchoPair, Sonar
 from sim.band import Real
 
@@ -57,7 +58,7 @@ class World(Protocol):
     def simulate(self, sonar: Sonar, trials: int, rng: np.random.Generator) -> EchoPair:
         """Echoes of some trials."""
 
-    def read(self, pair: EchoPair, window: FixedWindow, estimate: DelayEstimate) -> list[Reading]:
+    def read(self, pair: EchoPair, window: Window, estimate: DelayEstimate) -> list[Reading]:
         """Errors of an estimate, by region."""
 
     def traces(self, pair: EchoPair) -> dict[str, Real]:

@@ -4,6 +4,7 @@ import re
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -68,6 +69,20 @@ def test_the_estimator_of_ones_own_is_one(monkeypatch, tmp_path):
     assert table.failures.sum() == 0
     # Amplitudes carry part of what is known: without them the spread is wider, but not by much.
     assert 1.0 < table.delay_std_in_wrap["own"] / table.delay_std_in_wrap["plain"] < 1.6
+
+
+def test_the_depth_map_is_one(capsys):
+    (code,) = (code for _, code in found_in("python") if "depth_map" in code)
+    found = {}
+    exec(code, found)
+    depths = found["depths"]
+    assert depths.valid.any()
+    # A flat floor at 6 dB: heights are right to a spread, which is that of a window of some tens of looks.
+    kept = found["Thresholds"](height_std=0.5, wrap_error_probability=0.1).mask(depths)
+    on_floor = kept & (depths.plane_range > 201.0) & (depths.plane_range < 209.0)
+    assert on_floor.mean() > 0.2
+    assert abs(np.median(depths.height[on_floor])) < 0.1
+    assert "valid_range=" in capsys.readouterr().out
 
 
 def test_the_answer_for_silt_at_300_m():

@@ -13,6 +13,7 @@ from .crlb import (
 from .debiasing import debias_coherence
 from .gaussian_wrap_error import gaussian_split_spectrum_wrap_error_probability, gaussian_wrap_error_probability
 from .multilook import (
+    multilook_depth_std,
     multilook_phase_cdf,
     multilook_phase_pdf,
     multilook_phase_quantile,
@@ -52,6 +53,7 @@ __all__ = [
     "intensity_delay_crlb",
     "likelihood_wrap_error_probability",
     "lugannani_rice_pair_probability",
+    "multilook_depth_std",
     "multilook_phase_cdf",
     "multilook_phase_pdf",
     "multilook_phase_quantile",

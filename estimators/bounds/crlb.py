@@ -103,8 +103,16 @@ def depth_crlb(
     Centre frequency fc [Hz], slant range r [m], vertical baseline D [m], sound speed c [m/s].
     Source: paper B (Saebo and Hansen 2023), eq. 3.
     """
+    return phase_crlb(looks, coherence) * depth_of_phase(centre_frequency, slant_range, baseline, sound_speed)
+
+
+def depth_of_phase(
+    centre_frequency: ArrayLike, slant_range: ArrayLike, baseline: ArrayLike, sound_speed: ArrayLike
+) -> Floats:
+    """Depth that a phase of one radian stands for [m]: `r c / (2 pi fc D)`; arguments as in `depth_crlb`."""
     fc = positive("centre_frequency", centre_frequency, "Hz")
     r = positive("slant_range", slant_range, "m")
     d = positive("baseline", baseline, "m")
     c = positive("sound_speed", sound_speed, "m/s")
-    return phase_crlb(looks, coherence) * (r * c / d) / (2.0 * np.pi * fc)
+    depth: Floats = (r * c / d) / (2.0 * np.pi * fc)
+    return depth

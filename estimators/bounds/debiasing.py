@@ -26,12 +26,13 @@ def debias_coherence(sample_coherence: ArrayLike, looks: ArrayLike) -> Floats:
     most 1e9. The relative error is below 1e-6, beside what rounding of the argument makes of a coherence
     near the floor.
     """
-    g, n = np.broadcast_arrays(np.asarray(sample_coherence, dtype=np.float64), within(looks, 1.0, MOST_LOOKS))
+    one = within(looks, 1.0, MOST_LOOKS)
+    g, n = np.broadcast_arrays(np.asarray(sample_coherence, dtype=np.float64), one)
     result = np.where((n > 1.0) & ~np.isnan(g), np.where(g >= 1.0, 1.0, 0.0), np.nan)
-    left = np.flatnonzero((n > 1.0) & (g < 1.0) & (g > _floor(n)))
+    left = np.flatnonzero((n > 1.0) & (g < 1.0) & (g > _floor(one)))
     for some in np.array_split(left, left.size // CHUNK + 1):
         if some.size:
-            result.flat[some] = _inverse(g.flat[some], n.flat[some])
+            result.flat[some] = _inverse(g.flat[some], one.reshape(1) if one.size == 1 else n.flat[some])
     return result
 
 
@@ -59,9 +60,12 @@ def _inverse(g: Floats, n: Floats) -> Floats:
     piece = np.minimum(x.astype(np.int64), PIECES - 1)
     first, weights = _stencil(n)
     table = _tables(int(np.min(first)), int(np.max(first)) + STENCIL)
-    coefficients = np.zeros((4, g.size))
-    for member in range(STENCIL):
-        coefficients += weights[member] * table[:, first + member, piece]
+    if n.size == 1:
+        coefficients = np.tensordot(table[:, first[0] : first[0] + STENCIL], weights[:, 0], axes=(1, 0))[:, piece]
+    else:
+        coefficients = np.zeros((4, g.size))
+        for member in range(STENCIL):
+            coefficients += weights[member] * table[:, first + member, piece]
     x = (x - piece) * KNOT_STEP
     log_ratio = ((coefficients[0] * x + coefficients[1]) * x + coefficients[2]) * x + coefficients[3]
     result: Floats = np.sqrt(-np.expm1(-np.exp(log_ratio) * depth / _slope(n)))

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from scipy.special import betainc, betaincc
 
 from .conventions import MOST_LOOKS, Floats, checked_looks_and_coherence, signal_strength, within
-from .crlb import phase_crlb
+from .crlb import depth_of_phase, phase_crlb
 
 STEP = 0.14
 
@@ -127,6 +127,23 @@ def multilook_phase_std(looks: ArrayLike, coherence: ArrayLike) -> Floats:
         # Far above one nothing is left of a strong signal, and the power must not overflow.
         variance += above * np.exp(-n * np.log1p(np.minimum(q * np.exp(log_x), 1e300)))
     return np.where(gamma < 1.0, np.sqrt(variance), 0.0 * n * gamma)
+
+
+def multilook_depth_std(
+    looks: ArrayLike,
+    coherence: ArrayLike,
+    centre_frequency: ArrayLike,
+    slant_range: ArrayLike,
+    baseline: ArrayLike,
+    sound_speed: ArrayLike = 1500.0,
+) -> Floats:
+    """
+    Standard deviation [m] of the depth from the multilook phase, the wrap being known.
+
+    `(r c / D) multilook_phase_std / (2 pi fc)`: what `estimators.bounds.depth_crlb`, which has the same arguments,
+    is the bound of.
+    """
+    return multilook_phase_std(looks, coherence) * depth_of_phase(centre_frequency, slant_range, baseline, sound_speed)
 
 
 def _folded_phase() -> Iterator[tuple[float, float, float]]:

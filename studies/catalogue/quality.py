@@ -59,6 +59,7 @@ def _areas(pair: EchoPair, estimator: FullBandPhaseSlope | CrossCorrelation) -> 
     seen = slice(None) if pair.truth.branches is None else clear(pair, WINDOWS[-1])
     right = (np.abs(estimate.delay - pair.truth.delay) < 0.5 / pair.centre_frequency)[:, seen]
     own = estimator.window
+    assert isinstance(own, FixedWindow)
     for window in (w for w in WINDOWS if w.samples >= own.samples):
         for name, metric in METRICS.items():
             yield {"metric": name, "window": str(window), **_area(metric(pair, estimate, window)[:, seen], right)}

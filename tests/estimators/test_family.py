@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from estimators import FixedWindow, Interferogram, MultiChromatic, SplitSpectrum
 from estimators.interferogram import zero_lag
-from estimators.lag_product import extended, lag_product, lag_stack, upsampled
+from estimators.lag_product import extended, lag_product, lag_series, upsampled
 from estimators.sub_bands import band_pass, band_share
 from sim import EchoPair
 
@@ -66,7 +66,7 @@ def test_full_band_phase_slope_is_the_whole_matrix_against_a_slope(samples, fact
 def test_windowed_cross_correlation_is_a_mask_in_the_difference_of_frequencies(sizes, factor, seed):
     samples, length = sizes
     primary, secondary = series_of(samples, seed)
-    stack = lag_stack(primary[None], secondary[None], FixedWindow(1, length), factor, 3, 1.0)
+    stack = lag_series(primary[None], secondary[None], FixedWindow(1, length), factor, 3, 1.0).stack()
     for lag, product in zip(range(-3, 4), stack.products, strict=True):
         agree(product[0], family(primary, secondary, window(length), lag * stack.step))
 

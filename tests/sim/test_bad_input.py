@@ -1,7 +1,18 @@
 import numpy as np
 import pytest
 
-from sim import Box, EchoPair, Scene, Sonar, Wedge
+from sim import (
+    Box,
+    EchoPair,
+    HeightMap,
+    PointTarget,
+    Roughness,
+    Scene,
+    SedimentPatch,
+    Slope,
+    Sonar,
+    TrawlMark,
+)
 
 GOOD_SONAR = {"centre_frequency": 100e3, "bandwidth": 30e3, "baseline": 0.3, "altitude": 15.0}
 
@@ -27,10 +38,20 @@ def test_sonar(change, message):
         (lambda: Box(30.0, 0.0, 1.0), "width is 0 m; it must be above 0 m"),
         (lambda: Scene((50.0, 20.0)), r"ground_range is \(50, 20\) m; its near end must come before its far end"),
         (lambda: Scene((20.0, 50.0), (Box(10.0, 5.0, 1.0),)), ".* leaves the scene; it must stand between 20 and 50 m"),
+        (lambda: Box(30.0, 1.0, 1.0, (2.0, 2.0)), r"along_track is \(2, 2\) m; it must begin before it ends"),
+        (lambda: Slope(30.0, 10.0, np.nan), "rise is nan; it must be finite"),
+        (lambda: TrawlMark(30.0, 91.0), "direction is 91 degrees; it must lie between -90 and 90 degrees"),
+        (lambda: Roughness(0.1, -1), "seed is -1; it must be a whole number of at least 0"),
+        (lambda: Roughness(0.1, 1, period=1.05), r"period / spacing is 10\.5; it must be a whole number .*"),
+        (lambda: HeightMap(np.zeros(3), (0, 0), (1, 1)), r"nodes have the shape \(3,\); it must be .*"),
+        (lambda: HeightMap(np.full((2, 2), np.nan), (0, 0), (1, 1)), "nodes has 4 samples that are not finite, .*"),
+        (lambda: HeightMap.read("missing.npz"), "missing.npz holds no height map .*"),
+        (lambda: Scene((20.0, 50.0), speckle_shape=0.0), "speckle_shape is 0; it must be above 0"),
         (
-            lambda: Scene((20.0, 50.0), (Wedge(30.0, 5.0, 1.0), Box(33.0, 5.0, 1.0))),
-            ".* overlap; features must stand side by side",
+            lambda: Scene((20.0, 50.0), patches=(SedimentPatch((30.0, 40.0), "rock"),)),
+            "a scene without sediment has patches; it must have a sediment around them",
         ),
+        (lambda: Scene((20.0, 50.0), targets=(PointTarget(60.0),)), ".* leaves the scene; it must lie between .*"),
     ],
 )
 def test_scene(build, message):

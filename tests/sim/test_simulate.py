@@ -2,14 +2,15 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from sim import SONARS, Box, Scene, Sonar, Wedge, simulate
-from sim.band import Band, circular_gaussian
-from sim.echoes import place_scatterers, scene_spectra
+from sim import SONARS, Box, Scene, Sonar, Wedge, plan, simulate
+from sim.band import Band
+from sim.echoes import place_scatterers, scatterer_spectra
 from sim.geometry import plane_delay, travel_times
 from sim.levels import level_of_floor
-from sim.registration import register
-from sim.simulate import time_grid
-from sim.visibility import SeabedPoints, position, sees
+from sim.listening import Listening
+from sim.registration import registration
+from sim.streams import Streams, Use
+from sim.visibility import sees
 
 SONAR = SONARS["hisas-100khz"]
 SCENE = Scene((18.0, 32.0), (Box(22.0, 2.0, 1.0), Wedge(26.0, 2.0, 0.5)))
@@ -24,18 +25,19 @@ def on_floor(pair):
 
 
 def test_series_equal_the_direct_sum_over_scatterers():
-    grid = time_grid(SCENE, SONAR)
+    made = plan(SCENE, SONAR, scatterers_per_resolution=2.0, accuracy=1e-12)
+    grid, profile, streams = made.grid, SCENE.profile(), Streams((5,))
     band = Band(grid, SONAR.bandwidth)
-    spectra = scene_spectra(SCENE, SONAR, band, 2, 2.0, np.random.default_rng(5))
-    primary, secondary = band.series(spectra[0]), register(spectra[1], band, SONAR)
+    spectra = scatterer_spectra(Listening(SCENE, SONAR, made), profile, range(2), streams)
+    primary, secondary = band.series(spectra[0]), registration(band, SONAR).series(spectra[1])
 
-    rng = np.random.default_rng(5)
-    points, length = place_scatterers(SCENE, SONAR.range_resolution / 2.0, rng)
-    lit = sees(SCENE, points, SONAR.altitude)
-    points, length = SeabedPoints(points.segment[lit], points.share[lit]), length[lit]
-    arrivals = travel_times(SONAR, *position(SCENE, points))
-    strengths = circular_gaussian((2, len(length)), rng) * np.sqrt(level_of_floor(SONAR, arrivals[0], length))
-    seen_above = sees(SCENE, points, SONAR.altitude + SONAR.baseline)
+    points, length = place_scatterers(profile, SONAR.range_resolution / 2.0, streams.of(Use.PLACES))
+    lit = sees(profile, points, SONAR.altitude)
+    points, length = points.chosen(lit), length[lit]
+    arrivals = travel_times(SONAR, *profile.position(points))
+    gaussian = np.array([streams.of(Use.SPECKLE, row).standard_normal((len(length), 2)) for row in range(2)])
+    strengths = (gaussian @ [1, 1j]) * np.sqrt(level_of_floor(SONAR, arrivals[0], length) / 2)
+    seen_above = sees(profile, points, SONAR.altitude + SONAR.baseline)
 
     def passband(times, arrival, strength):
         after = times[:, None] - arrival
@@ -78,7 +80,9 @@ def test_noise_has_the_stated_ratio_and_leaves_the_speckle_alone():
 def test_coherence_of_a_flat_floor_falls_by_the_baseline_shift(slant):
     # 1 - df / B with df = fc D H / (2 r^2). The spread of a sample coherence g of N looks is (1 - g^2) / sqrt(2 N);
     # 5 standard errors have a false-alarm rate of 6e-7.
-    pair = flat_floor(3, near=10.0, far=75.0, rows=150)
+    scene = Scene((10.0, 75.0))
+    made = plan(scene, SONAR, delays="scatterers")
+    pair = simulate(scene, SONAR, rng=np.random.default_rng(3), rows=150, required=made)
     near = np.abs(pair.grid.times * 750.0 - slant) < 0.25
     primary, secondary = pair.primary[:, near], pair.secondary[:, near]
     energy = np.sqrt(np.sum(np.abs(primary) ** 2) * np.sum(np.abs(secondary) ** 2))
@@ -113,9 +117,10 @@ def test_same_seed_same_bits():
 
 def test_one_scatterer_a_cell_gives_the_same_power_as_many():
     # Means over about 3,700 looks a row; 5 standard errors of a difference.
-    powers = [
-        np.mean(np.abs(flat_floor(7, rows=20, scatterers_per_resolution=density).primary) ** 2) for density in (1, 16)
-    ]
+    scene = Scene((20.0, 120.0))
+    plans = [plan(scene, SONAR, delays="scatterers", scatterers_per_resolution=density) for density in (1.0, 16.0)]
+    pairs = (simulate(scene, SONAR, rng=np.random.default_rng(7), rows=20, required=made) for made in plans)
+    powers = [np.mean(np.abs(pair.primary) ** 2) for pair in pairs]
     assert powers[0] / powers[1] == pytest.approx(1.0, abs=5 * np.sqrt(2 / (20 * 3700)))
 
 

@@ -5,13 +5,15 @@ from hypothesis import strategies as st
 
 from sim import SONARS, Box, Geometry, Scene, Wedge
 from sim.geometry import travel_times
-from sim.visibility import SeabedPoints, position, sees, truth
+from sim.profile import SeabedPoints
+from sim.truth import truth
+from sim.visibility import sees
 
 SONAR = SONARS["hisas-100khz"]
 
 
 def truth_of(scene, slant):
-    return truth(scene, Geometry(SONAR, 0.0), 2 * np.asarray(slant) / SONAR.sound_speed)
+    return truth(scene.profile(), Geometry(SONAR, 0.0), 2 * np.asarray(slant) / SONAR.sound_speed)
 
 
 @given(st.floats(1.0, 60.0), st.floats(1.0, 300.0))
@@ -65,16 +67,17 @@ def scenes(draw):
 @given(scenes(), st.integers(0, 2**32 - 1))
 def test_visibility_agrees_with_marching_along_rays(scene, seed):
     rng = np.random.default_rng(seed)
-    corners = scene.profile
+    profile = scene.profile()
+    corners = np.stack([profile.ground_range, profile.height], axis=1)
     points = SeabedPoints(rng.integers(0, len(corners) - 1, 40), rng.random(40))
-    ground_range, height = position(scene, points)
+    ground_range, height = profile.position(points)
     # The floor and everything on it as a height over ground range, walls standing at the near side of their corner.
     along = np.linspace(0.0, 1.0, 4001)[1:-1]
     ray_range = ground_range[:, None] * along
     ray_height = SONAR.altitude + (height[:, None] - SONAR.altitude) * along
     ground = np.interp(ray_range, corners[:, 0], corners[:, 1], left=0.0)
     clearance = np.where(ray_range >= corners[0, 0], ray_height - ground, np.inf).min(axis=1)
-    seen = sees(scene, points, SONAR.altitude)
+    seen = sees(profile, points, SONAR.altitude)
     step = 0.01
     assert not np.any(seen & (clearance < -step))
     facing = np.diff((corners[:, 1] - SONAR.altitude) / corners[:, 0])[points.segment] > 0
@@ -85,12 +88,15 @@ def test_visibility_agrees_with_marching_along_rays(scene, seed):
 @given(scenes(), st.integers(0, 2**32 - 1))
 def test_every_visible_point_is_found_again_at_its_time(scene, seed):
     rng = np.random.default_rng(seed)
-    points = SeabedPoints(rng.integers(0, len(scene.profile) - 1, 30), 0.001 + 0.998 * rng.random(30))
-    seen = sees(scene, points, SONAR.altitude) & sees(scene, points, SONAR.altitude + SONAR.baseline)
-    times = travel_times(SONAR, *position(scene, points))
+    profile = scene.profile()
+    points = SeabedPoints(rng.integers(0, len(profile.along), 30), 0.001 + 0.998 * rng.random(30))
+    times = travel_times(SONAR, *profile.position(points))
+    order = np.argsort(times[0])
+    points, times = points.chosen(order), tuple(time[order] for time in times)
+    seen = sees(profile, points, SONAR.altitude) & sees(profile, points, SONAR.altitude + SONAR.baseline)
     geometry = Geometry(SONAR, 0.0)
     delays = geometry.registered_delay(*times)[seen]
-    found = truth(scene, geometry, times[0])
+    found = truth(profile, geometry, times[0])
     distance = np.abs(found.branches[:, seen] - delays)
     np.testing.assert_allclose(np.nanmin(distance, axis=0, initial=1.0), 0.0, atol=1e-12)
 

@@ -40,7 +40,7 @@ def command(*arguments):
         (["box-scene", "--set", "sonar.baseline=0"], "box-scene: sonar: baseline is 0 m; it must be above 0 m"),
         (
             ["box-scene", "--set", "sonar.altitude=2"],
-            "box-scene: scene: altitude is 2 m; it must be above the scene, 3 m",
+            "box-scene: scene: altitude is 2 m; it must be above the highest point of the scene, 3 m",
         ),
         (["box-scene", "--set", "scene.snr=nan"], "box-scene: scene.snr = nan: "),
         (["box-scene", "--set", "scene.ground_range=[9, 5]"], "box-scene: scene: ground_range is (9, 5) m; "),

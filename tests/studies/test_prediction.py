@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from estimators import bounds
+from estimators.pixels import PAPER_B, Pixels
 from sim import SONARS
-from studies import ImageGrid, predict
+from studies import predict
 from studies.cli import app
 
 SONAR = SONARS["hisas-1032"]
@@ -55,7 +56,7 @@ def test_the_best_window_is_the_smallest_that_does(coherence, kappa, most, y):
         return pixels * 0.02 >= kappa * row.depth_std and row.wrap_error_rate <= most
 
     assert does(found.best_window)
-    if ImageGrid().looks(found.best_window - 2) >= 1:
+    if PAPER_B.looks_in(found.best_window - 2) >= 1:
         assert not does(found.best_window - 2)
 
 
@@ -77,13 +78,13 @@ def test_columns_are_the_bounds():
         ({"coherence": 0.5, "window": 0}, "window is 0; it must be a whole number of at least 1"),
         ({"sediment": "snow"}, "sediment is 'snow'; .*"),
         ({"coherence": 0.5, "kappa": -1}, "kappa is -1; it must lie between 0 and 1e\\+06"),
-        ({"coherence": 0.5, "grid": 0}, "looks_per_pixel is 2; it must lie between 0 and 1"),
+        ({"coherence": 0.5, "pixels": 0}, "looks is 2; it must lie between 0 and 1"),
     ],
 )
 def test_bad_values_are_named(options, message):
     def call():
-        if "grid" in options:
-            options["grid"] = ImageGrid(looks_per_pixel=2)
+        if "pixels" in options:
+            options["pixels"] = Pixels(0.02, 0.02, looks=2)
         return predict(SONAR, RANGES, **options)
 
     with pytest.raises(ValueError, match=f"^{message}$"):

@@ -1,0 +1,141 @@
+"""The interpolation between lags, compiled: read at given places, or climbed to the highest magnitude.
+
+Through the products at nine lags runs a polynomial of degree 8, which is evaluated with its derivatives by Horner's
+rule. A few hundred pixels at a time are laid side by side, coefficient by coefficient.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.compiled import compiled
+
+STENCIL = 4
+"""Lags on either side of a peak that its interpolation uses, and that a stack holds beyond the search range. At four
+lags per `1 / B` the polynomial of degree 8 follows the band's edge to 6e-5 of its amplitude half-way between lags."""
+
+OFFSETS = np.arange(-STENCIL, STENCIL + 1)
+COEFFICIENTS = np.linalg.inv(np.vander(OFFSETS.astype(float), increasing=True))
+"""Of the polynomial, shape (power, lag), from the products at `OFFSETS`."""
+
+LAGS = 2 * STENCIL + 1
+
+STEPS = 4
+"""Of Newton's method."""
+
+PIXELS = 256
+
+Array = NDArray[Any]
+
+
+@compiled
+def climb_from_lags(
+    products: Array, energies: Array, index: Array, share: Array, product: Array, energy: Array, inside: Array
+) -> None:
+    """From the highest lags to where the squared magnitude peaks, within a lag of them.
+
+    `share` takes how far in lags; it is zero, and the peak not inside, where a neighbouring lag is higher.
+    """
+    weights = COEFFICIENTS
+    real, imag = np.empty((LAGS, PIXELS)), np.empty((LAGS, PIXELS))
+    for r in range(index.shape[0]):
+        for begin in range(0, index.shape[1], PIXELS):
+            part = slice(begin, min(begin + PIXELS, index.shape[1]))
+            _fit(products, weights, r, begin, index[r, part], real, imag)
+            _start(products, r, begin, index[r, part], share[r, part], inside[r, part])
+            _climb(real, imag, share[r, part], inside[r, part])
+            _read(real, imag, share[r, part], product[r, part])
+            _between(energies, r, begin, index[r, part], share[r, part], energy[r, part])
+
+
+@compiled
+def read_at_lags(products: Array, energies: Array, index: Array, share: Array, product: Array, energy: Array) -> None:
+    """Products and energies at `share` of a lag from the lags `index`."""
+    weights = COEFFICIENTS
+    real, imag = np.empty((LAGS, PIXELS)), np.empty((LAGS, PIXELS))
+    for r in range(index.shape[0]):
+        for begin in range(0, index.shape[1], PIXELS):
+            part = slice(begin, min(begin + PIXELS, index.shape[1]))
+            _fit(products, weights, r, begin, index[r, part], real, imag)
+            _read(real, imag, share[r, part], product[r, part])
+            _between(energies, r, begin, index[r, part], share[r, part], energy[r, part])
+
+
+@compiled
+def _fit(products: Array, weights: Array, r: int, begin: int, index: Array, real: Array, imag: Array) -> None:
+    """Coefficients of the polynomials, shape (power, pixel)."""
+    # Where all times have one product, its column stands for all.
+    last = products.shape[2] - 1
+    around_real, around_imag = np.empty((LAGS, index.size)), np.empty((LAGS, index.size))
+    for j in range(LAGS):
+        for i in range(index.size):
+            value = products[index[i] + j - STENCIL, r, min(begin + i, last)]
+            around_real[j, i], around_imag[j, i] = value.real, value.imag
+    for k in range(LAGS):
+        for i in range(index.size):
+            a = b = 0.0
+            for j in range(LAGS):
+                a += weights[k, j] * around_real[j, i]
+                b += weights[k, j] * around_imag[j, i]
+            real[k, i], imag[k, i] = a, b
+
+
+@compiled
+def _start(products: Array, r: int, begin: int, index: Array, share: Array, inside: Array) -> None:
+    """The peak of the parabola through three squared magnitudes."""
+    last = products.shape[2] - 1
+    for i in range(index.size):
+        t = min(begin + i, last)
+        before = _power(products[index[i] - 1, r, t])
+        here = _power(products[index[i], r, t])
+        after = _power(products[index[i] + 1, r, t])
+        inside[i] = here >= before and here >= after and here > 0
+        bend = 2 * here - before - after
+        share[i] = min(max((after - before) / (2 * bend), -1.0), 1.0) if inside[i] and bend > 0 else 0.0
+
+
+@compiled
+def _climb(real: Array, imag: Array, share: Array, inside: Array) -> None:
+    """Newton's method on half the squared magnitude."""
+    for _ in range(STEPS):
+        for i in range(share.size):
+            x = share[i]
+            a, b = real[LAGS - 1, i], imag[LAGS - 1, i]
+            slope_a = slope_b = half_a = half_b = 0.0
+            for k in range(2, LAGS + 1):
+                half_a, half_b = half_a * x + slope_a, half_b * x + slope_b
+                slope_a, slope_b = slope_a * x + a, slope_b * x + b
+                a, b = a * x + real[LAGS - k, i], b * x + imag[LAGS - k, i]
+            gradient = a * slope_a + b * slope_b
+            curvature = slope_a * slope_a + slope_b * slope_b + 2 * (a * half_a + b * half_b)
+            step = gradient / curvature if curvature < 0 else 0.0
+            share[i] = min(max(x - step, -1.0), 1.0)
+    for i in range(share.size):
+        share[i] = share[i] if inside[i] else 0.0
+
+
+@compiled
+def _read(real: Array, imag: Array, share: Array, product: Array) -> None:
+    for i in range(share.size):
+        a, b = real[LAGS - 1, i], imag[LAGS - 1, i]
+        for k in range(2, LAGS + 1):
+            a, b = a * share[i] + real[LAGS - k, i], b * share[i] + imag[LAGS - k, i]
+        product[i] = complex(a, b)
+
+
+@compiled
+def _between(energies: Array, r: int, begin: int, index: Array, share: Array, energy: Array) -> None:
+    """On a parabola between lags: a straight line lies so far off that coherences of .999 come out as 1."""
+    last = energies.shape[2] - 1
+    for i in range(index.size):
+        t = min(begin + i, last)
+        before, here, after = energies[index[i] - 1, r, t], energies[index[i], r, t], energies[index[i] + 1, r, t]
+        parabola = here + share[i] / 2 * (after - before + share[i] * (after + before - 2 * here))
+        # Of a single dark pixel it may undershoot.
+        energy[i] = max(parabola, min(here, min(before, after)))
+
+
+@compiled
+def _power(value: complex) -> float:
+    return value.real * value.real + value.imag * value.imag

@@ -1,0 +1,84 @@
+"""Rows closer than the along-track resolution: what the wavenumber support of the aperture makes of them."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim import checks
+from sim.band import Real
+from sim.compiled import compiled
+
+REACH = 12
+"""Resolutions to either side that a row gathers from."""
+
+TAPER = 5.0
+"""Of the Kaiser window over them."""
+
+STRETCH = 512
+"""Columns filtered together."""
+
+
+@dataclass(frozen=True)
+class AlongTrack:
+    """Rows of an image along track.
+
+    An aperture passes the wavenumbers of a band `1 / resolution` wide, so that rows closer than the resolution `dx` are
+    alike: each is the sum of independent rows weighted by `sinc((m - n) spacing / dx)`, here under a Kaiser window of
+    `REACH` resolutions, whose soft band edges leave the number of independent rows `spacing / dx` within 2 %.
+
+    Parameters
+    ----------
+    spacing
+        Distance of rows [m].
+    resolution
+        `dx` [m], not below half the spacing; from the spacing on down rows are independent.
+    """
+
+    spacing: float
+    resolution: float
+
+    def __post_init__(self) -> None:
+        checks.positive("row_spacing", self.spacing, "m")
+        checks.positive("resolution", self.resolution, "m")
+
+    @property
+    def looks(self) -> float:
+        """Independent looks in a row among many, `spacing / dx` and at most 1."""
+        return min(self.spacing / self.resolution, 1.0)
+
+    @property
+    def halo(self) -> int:
+        """Rows beyond either end that are needed."""
+        return 0 if self.looks == 1 else int(np.ceil(REACH / self.looks))
+
+    @cached_property
+    def weights(self) -> Real:
+        """Weights of the rows from `-halo` to `halo`; their squares add up to 1."""
+        offsets = np.arange(-self.halo, self.halo + 1)
+        weights = np.sinc(offsets * self.looks) * np.kaiser(len(offsets), TAPER)
+        normed: Real = weights / np.sqrt((weights**2).sum())
+        return normed
+
+    def gather(self, rows: NDArray[Any]) -> NDArray[Any]:
+        """Filtered rows from independent ones, shape (rows + 2 halo, samples), complex and contiguous."""
+        if self.halo == 0:
+            return rows
+        gathered = np.zeros((len(rows) - 2 * self.halo, rows.shape[1]), dtype=rows.dtype)
+        # The complex series as twice as many real columns.
+        before, after = (array.view(array.real.dtype) for array in (rows, gathered))
+        _gather(before, self.weights.astype(before.dtype), after)
+        return gathered
+
+
+@compiled
+def _gather(rows: Real, weights: Real, gathered: Real) -> None:
+    """Add up weighted rows, always in the same order, in stretches that stay in the cache."""
+    for start in range(0, rows.shape[1], STRETCH):
+        stop = min(start + STRETCH, rows.shape[1])
+        for row in range(len(gathered)):
+            for offset in range(len(weights)):
+                for column in range(start, stop):
+                    gathered[row, column] += weights[offset] * rows[row + offset, column]

@@ -1,0 +1,311 @@
+"""What a scene requires of its simulation: which physics, how finely, and what it costs."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any, Literal, NamedTuple, get_args
+
+import numpy as np
+
+from sim import checks
+from sim.along_track import AlongTrack
+from sim.band import Real, TimeGrid
+from sim.coherence import noise_coherence
+from sim.levels import Level
+from sim.profile import Profile
+from sim.scene import Scene
+from sim.snr_profile import SnrProfile
+from sim.sonar import Sonar
+from sim.sonar_equation import snr as predicted_snr
+from sim.time_grid import time_grid
+
+Delays = Literal["scatterers", "warp"]
+"""Whether every scatterer has its own delays, or the secondary is a local warp of the primary."""
+
+SURVEYED = 65
+"""Ranges over the swath at which decorrelation is looked at, beside the corners of the relief."""
+
+OVERSAMPLING = 4 / 3
+"""Samples in `1 / B`, unless the band shifts further."""
+
+SECONDS: dict[str, float] = {
+    "corner": 150e-9,
+    "seen": 60e-9,
+    "level": 60e-9,
+    "scatterer": 110e-9,
+    "drawn": 40e-9,
+    "warped": 150e-9,
+    "noise": 100e-9,
+    "cut": 40e-9,
+    "filtered": 8e-9,
+}
+"""Time of one core for a corner of a section, a part of the seabed that is heard, a scatterer at both receivers, a
+complex random number, a sample of a type-2 transform, a sample of noise and its transforms, and a sample and row of the
+along-track filter: measured by `benchmarks/simulator.py` on one core of a shared server at 2.5 GHz; others differ."""
+
+
+class Decision(NamedTuple):
+    """One thing that a plan decides: what is chosen, why, and what it costs.
+
+    `seconds` on one core and `bytes` at once for all rows, as estimated before running.
+    """
+
+    name: str
+    choice: Any
+    reason: str
+    seconds: float
+    bytes: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """How a scene is simulated.
+
+    Attributes
+    ----------
+    along_track
+        Distance of the rows, and the resolution that makes neighbours alike.
+    sections
+        "one" for all rows, or "each" row its own.
+    shadow
+        Whether it is found out which parts of the seabed others hide.
+    delays
+        "scatterers" with their own exact delays at both receivers, walls and layover included; or "warp", the primary
+        drawn as one series and the secondary made of it, which takes a seabed that is heard one part at a time.
+    baseline
+        Whether a warp lets the two angles of view decorrelate; scatterers do it by themselves.
+    level
+        "even" everywhere; "flat", that of the flat floor over range; "local", that of each piece's sediment and angle.
+    scatterers_per_resolution
+        Scatterers in a length `c / (2 B)` of seabed, at least 1. Speckle is Gaussian at any density; the mean power is
+        uneven by .39, .16, .058, .021 and .007 with 1, 2, 4, 8 and 16.
+    accuracy
+        Relative accuracy asked of the non-uniform transforms, 1e-14 to 1e-2. Against 1e-14 the series of a furrowed
+        floor are off by 5e-13 and 7e-13 (primary, secondary) at 1e-12, 1.0e-8 and 1.5e-8 at 2e-8, 5e-7 and 7e-7 at
+        1e-6, 4e-5 and 6e-5 at 1e-4, 3e-3 and 5e-3 at 1e-2, as root mean square over root mean square.
+    single
+        Whether series come as complex64, half as large and off by 2.5e-8. They are computed in double precision:
+        a transform in single precision is off by 1.3e-3, since places lose their last digits.
+    grid
+        Instants of the samples, at a rate that leaves the registered band below the Nyquist frequency.
+    decisions
+        The same with reasons and costs.
+    """
+
+    along_track: AlongTrack
+    sections: Literal["one", "each"]
+    shadow: bool
+    delays: Delays
+    baseline: bool
+    level: Level
+    scatterers_per_resolution: float
+    accuracy: float
+    single: bool
+    grid: TimeGrid
+    decisions: tuple[Decision, ...] = ()
+
+    def __str__(self) -> str:
+        width = max(len(d.name) for d in self.decisions)
+        lines = [
+            f"{d.name:<{width}}  {_short(d.choice):<13}  {d.seconds:8.2g} s  {d.bytes / 1e6:8.3g} MB  {d.reason}"
+            for d in self.decisions
+        ]
+        return "\n".join(lines)
+
+
+def _short(choice: Any) -> str:
+    if isinstance(choice, TimeGrid):
+        return f"{choice.samples} samples"
+    if isinstance(choice, AlongTrack):
+        return f"{choice.spacing * 100:g} cm"
+    return f"{choice:g}" if isinstance(choice, float) else str(choice)
+
+
+def plan(
+    scene: Scene,
+    sonar: Sonar,
+    *,
+    snr: float | SnrProfile | None = None,
+    rows: int = 1,
+    row_spacing: float | None = None,
+    tolerance: float = 0.02,
+    **chosen: Any,
+) -> Plan:
+    """Find out what a scene requires of its simulation, and what that will cost.
+
+    A shortcut is taken where a look at the section of every row shows that it may be (`survey`). The spread of a phase
+    goes with the root of what coherence lacks of 1, so that leaving out the decorrelation of the baseline, a part `p`
+    of that, makes the spread smaller by `p / 2`. So many scatterers are taken that the mean power is even within the
+    tolerance: at `n` in a resolution it scatters by about `.46 n^-1.5` (`Plan`).
+
+    Parameters
+    ----------
+    scene, sonar
+        What is seen, and by what.
+    rows, row_spacing
+        How many rows, and their distance [m]; the along-track resolution, where they are independent, if None. Of
+        other rows the plan says nothing.
+    snr
+        For a scene without sediment: signal-to-noise ratio of the flat floor [dB], or its profile over range; None for
+        no noise.
+    tolerance
+        Relative error of the spread of an estimate, and unevenness of the mean power, that may go without being
+        modelled; 1e-6 to .5.
+    chosen
+        Fields of `Plan` that are to be as given, whatever the scene requires.
+
+    Returns
+    -------
+    Plan
+        With a reason and a cost for each decision; `print` shows them.
+
+    Raises
+    ------
+    ValueError
+        Where the sonar is not above the scene, for a number outside its limits, and for a field that `Plan` lacks.
+    """
+    checks.count("rows", rows)
+    checks.within("tolerance", tolerance, 1e-6, 0.5)
+    highest = scene.heights[1]
+    if sonar.altitude <= highest:
+        raise ValueError(
+            f"altitude is {sonar.altitude:g} m; it must be above the highest point of the scene, {highest:g} m"
+        )
+    spacing = sonar.aperture.resolution if row_spacing is None else row_spacing
+    along_track = AlongTrack(spacing, sonar.aperture.resolution)
+    numbers = range(1) if scene.uniform else range(-along_track.halo, rows + along_track.halo)
+    seen = survey(scene, sonar, (number * spacing for number in numbers), snr)
+    required = _required(scene, sonar, tolerance, seen, chosen.get("delays"))
+    required["along_track"] = along_track, "distance of rows, and the resolution of the aperture"
+    for name in chosen:
+        checks.one_of("decision", name, sorted(required))
+    values = {name: chosen.get(name, choice) for name, (choice, _) in required.items()}
+    made = _checked(Plan(**values), scene)
+    costs = _costs(scene, sonar, made, rows, seen.corners)
+    decisions = (
+        Decision(name, values[name], "as asked for" if name in chosen else reason, *costs.get(name, (0.0, 0.0)))
+        for name, (_, reason) in required.items()
+    )
+    return replace(made, decisions=tuple(decisions))
+
+
+class Survey(NamedTuple):
+    """What the sections of all rows hold at the most.
+
+    `corners` of a section; whether a part is in `shadow` of another, or may be `overlaid`, heard at once with another;
+    the share of the band, `df / B`, by which the two angles of view `shift` it; and what part that is of all
+    `decorrelation`, the noise included.
+    """
+
+    corners: int
+    shadow: bool
+    overlaid: bool
+    shift: float
+    decorrelation: float
+
+
+def survey(scene: Scene, sonar: Sonar, places: Iterable[float], snr: float | SnrProfile | None) -> Survey:
+    """Look at the sections at places along track [m].
+
+    Nothing is hidden where the elevation angle rises from corner to corner, and nothing is heard at once with another
+    part where the path rises along every segment from its start on. On a slope of the angle `s` at the depression `phi`
+    the band shifts by `df = fc D cos(phi) tan(phi + s) / (2 r)`; noise costs `1 / (1 + snr)` of coherence, the shift
+    `df / B`.
+    """
+    ranges = np.linspace(*scene.ground_range, SURVEYED)
+    if scene.sediment is not None:
+        noise = 1 - noise_coherence(predicted_snr(sonar, scene.sediment, ranges, model=scene.scattering))
+    elif snr is None:
+        noise = np.zeros(SURVEYED)
+    else:
+        noise = 1 - noise_coherence(snr.at(ranges) if isinstance(snr, SnrProfile) else np.full(SURVEYED, float(snr)))
+    found = [_surveyed(scene.profile(place), sonar, ranges, noise) for place in places]
+    return Survey(*(max(part) for part in zip(*found, strict=True)))
+
+
+def _surveyed(profile: Profile, sonar: Sonar, ranges: Real, noise: Real) -> Survey:
+    upper = sonar.altitude + sonar.baseline
+    tangents = ((profile.height - altitude) / profile.ground_range for altitude in (sonar.altitude, upper))
+    real = profile.lengths > 0
+    shadow = any(bool((np.diff(tangent)[real] <= 0).any()) for tangent in tangents)
+    overlaid = bool(
+        (profile.along * profile.ground_range[:-1] <= profile.up * (upper - profile.height[:-1]))[real].any()
+    )
+    # At the start of every segment, where a long one has no other, and at some ranges between.
+    within = np.clip(np.searchsorted(profile.ground_range, ranges, "right") - 1, 0, len(real) - 1)
+    segment = np.concatenate([np.flatnonzero(real), within])
+    y = np.concatenate([profile.ground_range[:-1][real], ranges])
+    depth = upper - profile.height[segment]
+    angle = np.minimum(np.arctan2(depth, y) + np.arctan2(profile.up, profile.along)[segment], np.radians(89.0))
+    share = sonar.centre_frequency * sonar.baseline * y * np.abs(np.tan(angle)) / (2 * (y**2 + depth**2))
+    shift = share / sonar.bandwidth
+    part = shift / (shift + np.interp(y, ranges, noise))
+    return Survey(len(profile.height), shadow, overlaid, float(shift.max()), float(part.max()))
+
+
+def _required(
+    scene: Scene, sonar: Sonar, tolerance: float, seen: Survey, delays: Delays | None
+) -> dict[str, tuple[Any, str]]:
+    """Choice and reason of every decision."""
+    needed = seen.overlaid or seen.shift > (OVERSAMPLING - 1) / 2
+    scatterers = needed if delays is None else delays == "scatterers"
+    dense = max(1.0, float(np.round((0.46 / tolerance) ** (2 / 3))))
+    plane = survey(Scene(scene.ground_range), sonar, [0.0], None)
+    rate = sonar.bandwidth * max(OVERSAMPLING, 1 + 2.2 * plane.shift)
+    return {
+        "sections": ("one", "the same all along the track") if scene.uniform else ("each", "relief varies along track"),
+        "shadow": (seen.shadow, "some parts hide others" if seen.shadow else "no part hides another"),
+        "delays": (
+            "scatterers" if needed else "warp",
+            "several parts are heard at once"
+            if seen.overlaid
+            else f"the band shifts by up to {seen.shift:.2g} of itself"
+            if needed
+            else "one part is heard after the other",
+        ),
+        "baseline": (
+            scatterers or seen.decorrelation > 2 * tolerance,
+            "scatterers decorrelate by themselves"
+            if scatterers
+            else f"up to {seen.decorrelation:.2g} of the decorrelation is from the two angles of view",
+        ),
+        "level": ("even", "no sediment") if scene.sediment is None else ("local", "sediment and local grazing angle"),
+        "scatterers_per_resolution": (dense, f"mean power even within {0.46 * dense**-1.5:.2g}"),
+        "accuracy": (1e-6 * tolerance, "below the tolerance where it is 120 dB darker than the mean"),
+        "single": (False, "half the memory, and errors of 2.5e-8, only if asked for"),
+        "grid": (time_grid(scene, sonar, rate), f"{rate / sonar.bandwidth:.3g} samples in 1 / B"),
+    }
+
+
+def _checked(made: Plan, scene: Scene) -> Plan:
+    for name, allowed in (("sections", ("one", "each")), ("delays", get_args(Delays)), ("level", get_args(Level))):
+        checks.one_of(name, getattr(made, name), allowed)
+    if checks.finite("scatterers_per_resolution", made.scatterers_per_resolution) < 1:
+        raise ValueError(f"scatterers_per_resolution is {made.scatterers_per_resolution:g}; it must be at least 1")
+    checks.within("accuracy", made.accuracy, 1e-14, 1e-2)
+    if (made.level == "even") != (scene.sediment is None):
+        level = "even for a scene without sediment" if scene.sediment is None else "flat or local for a sediment"
+        raise ValueError(f"level is {made.level!r}; it must be {level}")
+    return made
+
+
+def _costs(scene: Scene, sonar: Sonar, made: Plan, rows: int, corners: int) -> dict[str, tuple[float, float]]:
+    """Seconds and bytes of every decision that costs some, for all rows at once."""
+    raw, samples = rows + 2 * made.along_track.halo, made.grid.samples
+    sections = raw if made.sections == "each" else 1
+    scatterers = np.diff(scene.ground_range)[0] / sonar.range_resolution * made.scatterers_per_resolution
+    number, series = (8, 8 * samples * raw) if made.single else (16, 16 * samples * raw)
+    if made.delays == "scatterers":
+        echoes = raw * (scatterers * SECONDS["scatterer"] + samples * SECONDS["warped"]), raw * scatterers * 3 * number
+        parts = scatterers
+    else:
+        echoes = raw * samples * (SECONDS["drawn"] + SECONDS["warped"]), 3.0 * series
+        parts = samples
+    return {
+        "sections": (sections * corners * SECONDS["corner"], sections * samples * 35.0),
+        "shadow": (sections * parts * SECONDS["seen"] if made.shadow else 0.0, 0.0),
+        "delays": echoes,
+        "baseline": (raw * samples * SECONDS["cut"] if made.baseline and made.delays == "warp" else 0.0, 0.0),
+        "level": (sections * parts * SECONDS["level"] if made.level != "even" else 0.0, 0.0),
+        "along_track": (rows * samples * (2 * made.along_track.halo + 1) * SECONDS["filtered"], 2.0 * series),
+        "grid": (raw * samples * SECONDS["noise"], 2.0 * series),
+    }

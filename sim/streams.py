@@ -1,0 +1,44 @@
+"""Random numbers of a scene's rows: the same for a row whatever block or process simulates it."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from sim.band import Complex, circular_gaussian
+
+
+class Use(IntEnum):
+    """What random numbers are for."""
+
+    PLACES = 0
+    SPECKLE = 1
+    TEXTURE = 2
+    NOISE = 3
+
+
+@dataclass(frozen=True)
+class Streams:
+    """Independent generators for every use and row, from entropy that was drawn once."""
+
+    entropy: tuple[int, ...]
+
+    @classmethod
+    def drawn(cls, rng: np.random.Generator) -> "Streams":
+        """Streams that follow from the state of a generator, which moves on."""
+        return cls(tuple(int(word) for word in rng.integers(2**32, size=4)))
+
+    def of(self, use: Use, row: int = 0) -> np.random.Generator:
+        """The generator of one use in one row; rows before the first have negative numbers."""
+        return np.random.default_rng(np.random.SeedSequence(self.entropy, spawn_key=(use, row % 2**32)))
+
+    def gaussian(self, use: Use, rows: range, count: int) -> Complex:
+        """Circular complex Gaussian numbers of unit power, shape (rows, count)."""
+        numbers = np.empty((len(rows), count), dtype=np.complex128)
+        for place, row in zip(numbers, rows, strict=True):
+            place[:] = circular_gaussian((count,), self.of(use, row))
+        return numbers
+
+    def texture(self, rows: range, count: int, shape: float) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+        """Gamma-distributed powers of unit mean and a shape, shape (rows, count)."""
+        return np.array([self.of(Use.TEXTURE, row).gamma(shape, 1 / shape, count) for row in rows])
