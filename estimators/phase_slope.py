@@ -13,7 +13,7 @@ from estimators.height import Height
 from estimators.peak import Index, Peak, first_from_zero, strongest
 from estimators.search import describe, read_at, search_peaks, search_range
 from estimators.uncertainty import small_window_std
-from estimators.windows import FixedWindow, Window, WindowPolicy
+from estimators.windows import FixedWindow, VaryingWindow, Window, WindowPolicy
 from sim import EchoPair, checks
 from sim.band import Real
 
@@ -81,11 +81,14 @@ class FullBandPhaseSlope:
         if wider is None:
             return describe(pair, window, peak, refine=self.refine, search=search)
         around = read_at(pair, wider, np.clip(peak.delay, -search, search), VOUCHING_LAGS, search)
-        estimate = describe(pair, window, peak._replace(doubt=around.doubt), refine=self.refine, search=search)
+        few = np.asarray(window.looks(pair)) < FEW_LOOKS
+        doubt = np.where(few, around.doubt, peak.doubt)
+        estimate = describe(pair, window, peak._replace(doubt=doubt), refine=self.refine, search=search)
         if not self.refine:
             return estimate
         vouched = describe(pair, wider, around, refine=True, search=search).debiased_coherence
-        return replace(estimate, delay_std=small_window_std(pair, peak, window, wider, vouched))
+        std = small_window_std(pair, peak, window, wider, vouched)
+        return replace(estimate, delay_std=np.where(few, std, estimate.delay_std))
 
     def _peak(self, pair: EchoPair, window: Window, search: float) -> Peak:
         if self.start is None:
@@ -97,11 +100,12 @@ class FullBandPhaseSlope:
         return peak._replace(inside=peak.inside & known)
 
 
-def vouching(window: Window, pair: EchoPair) -> FixedWindow | None:
-    """A window longer in time for one of few looks; None for one that needs none, and where the pair has no larger."""
-    if not isinstance(window, FixedWindow):
+def vouching(window: Window, pair: EchoPair) -> Window | None:
+    """A window longer in time where one has few looks; None where it never has, and where the pair has no larger."""
+    few = np.asarray(window.looks(pair)) < FEW_LOOKS
+    rows, samples = np.asarray(window.rows), np.asarray(window.samples)
+    more = np.ceil(VOUCHING_LOOKS / rows * pair.sample_rate / pair.bandwidth).astype(np.int64) | 1
+    larger = np.where(few, np.maximum(np.minimum(more, pair.shape[1]), samples), samples)
+    if not np.any(larger > samples):
         return None
-    more = int(np.ceil(VOUCHING_LOOKS / window.rows * pair.sample_rate / pair.bandwidth)) | 1
-    larger = FixedWindow(window.rows, min(more, pair.shape[1]))
-    few = window.looks(pair) < FEW_LOOKS and larger.samples > window.samples
-    return larger if few else None
+    return VaryingWindow(rows, larger) if rows.ndim else FixedWindow(int(rows), int(larger))

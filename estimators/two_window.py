@@ -55,15 +55,15 @@ class TwoWindow:
         near = np.where(within, wide.delay, 0.0)
         peak = read_at(pair, phase, near, self.lags_per_resolution)
         narrow = describe(pair, phase, peak, refine=True, search=0.5 / pair.centre_frequency)
-        window, coherence = phase, narrow.debiased_coherence
+        std = small_window_std(pair, peak, phase, phase, narrow.debiased_coherence)
         around = getattr(self.wrap, "window", None)
         if isinstance(around, WindowPolicy):
             larger = around.on(pair)
-            if np.all(larger.looks(pair) > phase.looks(pair)):
-                window, coherence = larger, wide.debiased_coherence
+            by_wide = np.asarray(larger.looks(pair)) > phase.looks(pair)
+            std = np.where(by_wide, small_window_std(pair, peak, phase, larger, wide.debiased_coherence), std)
         return replace(
             narrow,
-            delay_std=small_window_std(pair, peak, phase, window, coherence),
+            delay_std=std,
             wrap_error_probability=wide.wrap_error_probability,
             quality=wide.quality,
             valid=wide.valid & narrow.valid & within,

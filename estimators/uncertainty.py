@@ -3,7 +3,7 @@
 import numpy as np
 
 from estimators import bounds
-from estimators.lag_product import power
+from estimators.lag_product import power, scale_of
 from estimators.peak import Peak
 from estimators.posterior import Looks, phase_std
 from estimators.windows import Window
@@ -42,10 +42,12 @@ def small_window_std(pair: EchoPair, peak: Peak, small: Window, large: Window, c
     coherence
         The large window's, debiased, shape (rows, time).
     """
-    around = np.sqrt(large.sum(power(pair.primary))) * np.sqrt(large.sum(power(pair.secondary)))
-    # The peak may be on another scale than the pair.
-    mean = around / around.mean() * peak.energy.mean() if around.mean() > 0 else np.zeros_like(around)
-    relative = np.divide(np.abs(peak.product), mean, out=np.zeros(pair.shape), where=mean > 0)
+    # On the scale of the peak.
+    scaled = (np.asarray(x * scale_of(x), dtype=np.complex128) for x in (pair.primary, pair.secondary))
+    powers = [large.sum(power(series)) for series in scaled]
+    mean = np.sqrt(powers[0]) * np.sqrt(powers[1]) / large.pixels
+    here = np.abs(peak.product) / small.pixels
+    relative = np.divide(here, mean, out=np.zeros(pair.shape), where=mean > 0)
     # The mean of 1 / (1 - g^2) of N looks is (N - 1) / (N - 2) times what it estimates.
     freedom = np.maximum(large.looks(pair), 3.0)
     noise = np.maximum((1 - coherence) * (1 + coherence), 1e-300) * (freedom - 1) / (freedom - 2)

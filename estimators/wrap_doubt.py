@@ -70,8 +70,9 @@ def wrap_doubt(stack: LagStack, delay: Real, looks: Looks, centre_frequency: flo
         Shape (rows, time).
     """
     shape = np.broadcast_shapes(stack.products.shape[1:], np.shape(delay))
+    guess = max(1 - 1 / (2 * search * centre_frequency), 0.0)
     if np.max(looks) <= 1:
-        return np.full(shape, max(1 - 1 / (2 * search * centre_frequency), 0.0))
+        return np.full(shape, guess)
     distinct, which = _looks_at(looks, shape[1])
     found: Real = _doubts(
         *(np.broadcast_to(lags, (len(lags), *shape)) for lags in (stack.products, stack.energies)),
@@ -82,7 +83,7 @@ def wrap_doubt(stack: LagStack, delay: Real, looks: Looks, centre_frequency: flo
         which,
         np.stack([_mass_table(float(n)) for n in distinct]),
     )
-    return found
+    return np.where(distinct[which] <= 1, guess, found)
 
 
 def sub_band_doubt(low: Complex, high: Complex, energy: Real, delay: Real, spacing: float, looks: Looks) -> Real:
