@@ -1,12 +1,14 @@
 """Methods: arrays in, delay estimates out; windows and bounds."""
 
-from estimators import bounds, conformance
+from estimators import bounds, conformance, quality
 from estimators.cross_correlation import CrossCorrelation
 from estimators.depth import DepthMap, depth_map
 from estimators.estimate import DelayEstimate, Estimator
+from estimators.height import Height
 from estimators.interferogram import Interferogram
 from estimators.maximum_likelihood import MaximumLikelihood
 from estimators.multi_chromatic import MultiChromatic
+from estimators.neighbours import CombinedNeighbours
 from estimators.phase_slope import FullBandPhaseSlope
 from estimators.pixels import Pixels
 from estimators.range_coherence import KnownCoherence, MeasuredCoherence, ModelledCoherence
@@ -18,6 +20,7 @@ from estimators.windows import FixedWindow, VaryingWindow, WindowPolicy
 
 __all__ = [
     "AdaptiveWindow",
+    "CombinedNeighbours",
     "ConstantStdWindow",
     "Coverage",
     "CrossCorrelation",
@@ -26,6 +29,7 @@ __all__ = [
     "Estimator",
     "FixedWindow",
     "FullBandPhaseSlope",
+    "Height",
     "Interferogram",
     "KnownCoherence",
     "MaximumLikelihood",
@@ -43,5 +47,6 @@ __all__ = [
     "conformance",
     "coverage",
     "depth_map",
+    "quality",
     "valid_range",
 ]

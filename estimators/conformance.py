@@ -11,8 +11,17 @@ from estimators.estimate import DelayEstimate, Estimator
 from sim import EchoPair, speckle_pair
 from sim.band import Real
 
-FIELDS = ("delay", "phase", "coherence", "delay_std", "wrap_error_probability", "quality", "valid")
-SHARES = ("coherence", "wrap_error_probability", "quality")
+FIELDS = (
+    "delay",
+    "phase",
+    "coherence",
+    "debiased_coherence",
+    "delay_std",
+    "wrap_error_probability",
+    "quality",
+    "valid",
+)
+SHARES = ("coherence", "debiased_coherence", "wrap_error_probability", "quality")
 CENTRE_FREQUENCY, BANDWIDTH = 100e3, 30e3
 WRAP = 1 / CENTRE_FREQUENCY
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from estimators.estimate import DelayEstimate
+from estimators.height import Height
 from estimators.peak import strongest
 from estimators.search import describe, search_peaks, search_range
 from estimators.windows import WindowPolicy
@@ -24,14 +25,14 @@ class CrossCorrelation:
     refine
         Whether the residual phase refines the delay.
     search
-        Largest delay to look for [s]; `1 / B` where None. A peak on its border is not valid.
+        Largest delay to look for [s], or a `Height`; `1 / B` where None. A peak on its border is not valid.
     lags_per_resolution
         Lags in `1 / B`, at least 4; more cost more time and gain nothing for windows of many looks.
     """
 
     window: WindowPolicy
     refine: bool = True
-    search: float | None = None
+    search: float | Height | None = None
     lags_per_resolution: int = 4
 
     def __post_init__(self) -> None:

@@ -25,15 +25,20 @@ class DelayEstimate:
         (-pi, pi].
     coherence
         Sample coherence at that delay, 0 to 1; biased upward, and always 1 for a single look.
+    debiased_coherence
+        Coherence whose mean sample coherence over as many looks is this one; 0 below the bias floor, and for a single
+        look.
     delay_std
-        Predicted standard deviation of the delay while the wrap is right [s]: the Cramér-Rao bound at the debiased
-        coherence, at most the spread of a guess within the search range.
+        Predicted standard deviation of the delay while the wrap is right [s]: half of the 95 % interval that the window
+        leaves it within the wrap (`estimators.posterior`), over 1.96; at most the spread of a guess within the search
+        range.
     wrap_error_probability
-        Predicted probability that the delay is off by half a wrap or more, at the debiased coherence of this very
-        estimate: on average over a patch it lies above the rate (1.5 times for 33 looks of coherence .8 and
-        B / fc = .3), as the probability falls steeply with coherence.
+        Predicted probability that the delay is off by half a wrap or more, given the window's correlation at the rival
+        wraps (`estimators.wrap_doubt`). Over scenes of all coherences it is the rate; at a single high coherence, which
+        the window does not know, it is on average above it.
     quality
-        0 (worthless) to 1: sample coherence times `I / (I + mean I)`, the brightness `I` of a pixel of the window.
+        0 (worthless) to 1: the probability that the wrap is right. Of the metrics of `estimators.quality` it tells
+        wrong wraps best.
     valid
         Where the window lay inside the record, held any echo, and the search ended inside its range.
     """
@@ -41,6 +46,7 @@ class DelayEstimate:
     delay: Real
     phase: Real
     coherence: Real
+    debiased_coherence: Real
     delay_std: Real
     wrap_error_probability: Real
     quality: Real

@@ -3,15 +3,13 @@
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.special import ndtr
+from scipy.special import stdtr
 
-from estimators import bounds
 from estimators.estimate import DelayEstimate
 from estimators.interference import interferogram_with_energy
 from estimators.lag_product import power
 from estimators.peak import Peak
 from estimators.search import by_rows, describe
-from estimators.uncertainty import debiased_coherence
 from estimators.windows import FixedWindow, Window, WindowPolicy
 from sim import EchoPair
 from sim.band import Complex
@@ -46,16 +44,17 @@ class Interferogram:
         """Estimate the delay at every sample; ValueError where the window exceeds the pair.
 
         The predicted wrap-error probability takes the true delay to lie within half a wrap of zero: it is that of
-        Gaussian noise carrying the phase over the edge.
+        noise carrying the phase over the edge, Student's t of `sin(phi) g sqrt(2N - 2) / sqrt(1 - g^2)`.
         """
         window = self.window.on(pair)
         window.check(pair)
         estimate = describe(pair, window, _peak(pair, window), refine=True, search=0.5 / pair.centre_frequency)
-        looks = window.looks(pair)
-        std = bounds.phase_crlb(looks, debiased_coherence(estimate.coherence, looks))
-        to_edge = np.pi - np.abs(estimate.phase)
-        crossing = np.where(std > 0, ndtr(-to_edge / np.maximum(std, 1e-300)), 0.0)
-        return replace(estimate, wrap_error_probability=np.minimum(crossing, 0.5))
+        freedom = 2 * (window.looks(pair) - 1)
+        to_edge = np.minimum(np.pi - np.abs(estimate.phase), np.pi / 2)
+        strength = np.sqrt(freedom / np.maximum((1 - estimate.coherence) * (1 + estimate.coherence), 1e-300))
+        edge = stdtr(np.maximum(freedom, 1e-3), -estimate.coherence * strength * np.sin(to_edge))
+        crossing = np.where(freedom > 0, edge, 0.5)
+        return replace(estimate, wrap_error_probability=crossing, quality=1 - crossing)
 
 
 def _peak(pair: EchoPair, window: Window) -> Peak:

@@ -5,9 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimators.estimate import DelayEstimate
-from estimators.peak import passband_peak
+from estimators.height import Height
+from estimators.lag_product import LagStack
+from estimators.peak import Peak, passband_peak
 from estimators.search import describe, over_lags, search_range
 from estimators.windows import WindowPolicy
+from estimators.wrap_doubt import wrap_doubt
 from sim import EchoPair, checks
 
 
@@ -28,14 +31,14 @@ class MaximumLikelihood:
     window
         What to average over, or the policy that says it for a pair.
     search
-        Largest delay to look for [s]; `1 / B` where None. A peak up to a wrap beyond it that is higher than all
-        within is not valid.
+        Largest delay to look for [s], or a `Height`; `1 / B` where None. A peak up to a wrap beyond it that is
+        higher than all within is not valid.
     lags_per_resolution
         Lags in `1 / B` between which the correlation is interpolated, at least 4.
     """
 
     window: WindowPolicy
-    search: float | None = None
+    search: float | Height | None = None
     lags_per_resolution: int = 4
 
     def __post_init__(self) -> None:
@@ -45,14 +48,13 @@ class MaximumLikelihood:
         """Estimate the delay at every sample; ValueError where window or search range exceed the pair."""
         window = self.window.on(pair)
         search = search_range(pair, self.search, 1.0)
-        peak = over_lags(
-            pair,
-            window,
-            search,
-            self.lags_per_resolution,
-            2.0,
-            lambda stack, _: passband_peak(stack, pair.centre_frequency, pair.bandwidth, search),
-        )
+        looks = window.looks(pair)
+
+        def find(stack: LagStack, _: int) -> Peak:
+            peak = passband_peak(stack, pair.centre_frequency, pair.bandwidth, search)
+            return peak._replace(doubt=wrap_doubt(stack, peak.delay, looks, pair.centre_frequency, search))
+
+        peak = over_lags(pair, window, search, self.lags_per_resolution, 2.0, find)
         # The delay stands as found: at the passband peak the phase of the lag product need not be that of the carrier.
         delay = np.broadcast_to(peak.delay, pair.shape)
         return replace(describe(pair, window, peak, refine=True, search=search), delay=delay)

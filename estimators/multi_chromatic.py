@@ -1,17 +1,14 @@
 """Multi-chromatic: a straight line through the phases of many sub-bands."""
 
-from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.fft
 
-from estimators import bounds
 from estimators.estimate import DelayEstimate
 from estimators.peak import Peak
 from estimators.search import by_rows, describe, read_at
 from estimators.sub_bands import band_pass, band_share, carried_to, lag_slope
-from estimators.uncertainty import WrapErrors, predicted_std
 from estimators.windows import WindowPolicy
 from sim import EchoPair, checks
 from sim.band import Complex, Real
@@ -76,18 +73,10 @@ class MultiChromatic:
             return Peak(delay, interferograms.sum(axis=0), magnitude, np.ones((), dtype=np.bool_)).spread()
 
         line = by_rows(pair, window, 0, 256 + 384 * self.bands, peaks).delay
-        search = 0.5 / width
-        estimate = describe(
-            pair,
-            window,
-            read_at(pair, window, line, LAGS_PER_RESOLUTION),
-            refine=self.refine,
-            search=search,
-            wrap_errors=_wrap_errors(self.bands),
-        )
-        if self.refine:
-            return estimate
-        return replace(estimate, delay_std=predicted_std(estimate.delay_std / _narrowing(self.bands), search))
+        search = min(0.5 / width, pair.grid.period / 2)
+        peak = read_at(pair, window, line, LAGS_PER_RESOLUTION, search)
+        bandwidth = pair.bandwidth * np.sqrt(1 - 1 / self.bands**2)
+        return describe(pair, window, peak, refine=self.refine, search=search, bandwidth=bandwidth)
 
 
 def _line_through(interferograms: Complex, slopes: Complex, centres: Real) -> Real:
@@ -116,20 +105,3 @@ def _slope(interferograms: Complex, centres: Real) -> Real:
     covariance = (weight * (f - middle) * phase).sum(axis=0)
     slope: Real = np.divide(covariance, moment, out=np.zeros_like(total), where=moment > 0)
     return slope
-
-
-def _narrowing(bands: int) -> float:
-    """RMS width of the centres of equal bands over that of the whole band."""
-    return float(np.sqrt(1 - 1 / bands**2))
-
-
-@lru_cache
-def _wrap_errors(bands: int) -> WrapErrors:
-    """One object for one number of bands, so that its table is made once."""
-    if bands == 2:
-        return partial(bounds.split_spectrum_wrap_error_probability, sub_band_share=0.5)
-
-    def as_a_narrower_band(looks: float, coherence: Real, relative_bandwidth: float) -> Real:
-        return bounds.wrap_error_probability(looks, coherence, _narrowing(bands) * relative_bandwidth)
-
-    return as_a_narrower_band

@@ -23,13 +23,14 @@ class Peak(NamedTuple):
     """Where the windowed lag product peaks; all of the shape (rows, time).
 
     `delay` [s], `product` the complex value there, `energy` its largest possible magnitude, `inside` whether it is a
-    maximum inside the search range.
+    maximum inside the search range, `doubt` the probability that it is in a wrong wrap, 1 where nothing tells.
     """
 
     delay: Real
     product: Complex
     energy: Real
     inside: NDArray[np.bool_]
+    doubt: Real = np.ones(())
 
     def spread(self) -> "Peak":
         """The same with every array in the full shape."""

@@ -5,14 +5,16 @@ from collections.abc import Callable
 import numpy as np
 import scipy.fft
 
-from estimators import bounds
 from estimators.estimate import DelayEstimate
+from estimators.height import Height
 from estimators.lag_product import LagSeries, LagStack, lag_series, power, scale_of
 from estimators.peak import Index, Peak, moved_to, peak_at
 from estimators.peak_kernels import STENCIL
-from estimators.uncertainty import WrapErrors, debiased_coherence, predicted_std, predicted_wrap_errors
+from estimators.posterior import delay_std
+from estimators.uncertainty import debiased_coherence, predicted_std
 from estimators.varying_stack import varying_lag_stack
 from estimators.windows import FixedWindow, Window
+from estimators.wrap_doubt import wrap_doubt
 from sim import EchoPair, checks
 from sim.band import Complex, Real
 
@@ -23,17 +25,19 @@ CACHE_BYTES = 2**23
 """Size that the lag products at the times searched together may take."""
 
 
-def search_range(pair: EchoPair, search: float | None, resolutions: float) -> float:
-    """Largest delay to look for [s]: as given, or so many times `1 / B`, within half the record.
+def search_range(pair: EchoPair, search: float | Height | None, resolutions: float) -> float:
+    """Largest delay to look for [s]: as given, in delay or height, or so many times `1 / B`, within half the record.
 
     Raises
     ------
     ValueError
-        For a range of 0 or less, or beyond half the record.
+        For a range of 0 or less, or beyond half the record, and for a height of a pair that has none.
     """
     half_record = pair.grid.period / 2
     if search is None:
         return min(resolutions / pair.bandwidth, half_record)
+    if isinstance(search, Height):
+        search = search.delay(pair)
     if checks.positive("search", search, "s") > half_record:
         raise ValueError(f"search is {search:g} s; it must not exceed half the record, {half_record:g} s")
     return search
@@ -44,8 +48,9 @@ def search_peaks(
     window: Window,
     search: float,
     lags_per_resolution: int,
-    pick: Callable[[Real], Index],
+    pick: Callable[..., Index],
     refine: bool,
+    *starts: Real,
 ) -> Peak:
     """Peak of the magnitude of the windowed lag product at every pixel.
 
@@ -61,16 +66,22 @@ def search_peaks(
     lags_per_resolution
         Lags in `1 / B`, at least 4.
     pick
-        Chooses a lag from the squared magnitudes within the search range, shape (lag, rows, time).
+        Chooses a lag from the squared magnitudes within the search range, shape (lag, rows, time), and the lags nearest
+        to the `starts`, shape (rows, time).
     refine
         Whether the peak is moved to the nearest delay that its phase allows.
+    starts
+        Delays [s] of the pair's shape.
     """
+    looks = window.looks(pair)
 
-    def find(stack: LagStack, margin: int) -> Peak:
-        peak = peak_at(stack, pick(power(stack.products[margin:-margin])) + margin)
-        return moved_to(peak, stack, refined_delay(peak, pair.centre_frequency)) if refine else peak
+    def find(stack: LagStack, margin: int, *near: Real) -> Peak:
+        lags = (np.rint(delay / stack.step).astype(np.intp) + stack.reach - margin for delay in near)
+        peak = peak_at(stack, pick(power(stack.products[margin:-margin]), *lags) + margin)
+        peak = moved_to(peak, stack, refined_delay(peak, pair.centre_frequency)) if refine else peak
+        return peak._replace(doubt=wrap_doubt(stack, peak.delay, looks, pair.centre_frequency, search))
 
-    return over_lags(pair, window, search, lags_per_resolution, 0.5, find)
+    return over_lags(pair, window, search, lags_per_resolution, 0.5, find, *starts)
 
 
 def over_lags(
@@ -124,14 +135,21 @@ def over_times(series: LagSeries, find: Callable[..., Peak], *beside: Real) -> P
     return Peak(*(np.concatenate(parts, axis=1) for parts in zip(*found, strict=True)))
 
 
-def read_at(pair: EchoPair, window: Window, delay: Real, lags_per_resolution: int) -> Peak:
-    """Windowed lag product at a given delay of every pixel [s], within half the record."""
+def read_at(pair: EchoPair, window: Window, delay: Real, lags_per_resolution: int, search: float | None = None) -> Peak:
+    """Windowed lag product at a given delay of every pixel [s], within half the record.
+
+    Where a search range [s] is given, the wraps within it tell how doubtful that of the delay is.
+    """
+    looks, reach = window.looks(pair), max(float(np.abs(delay).max()), search or 0.0)
 
     def read(stack: LagStack, _: int, near: Real) -> Peak:
         unread = Peak(near, stack.products[0], stack.energies[0], np.ones((), dtype=np.bool_))
-        return moved_to(unread, stack, near).spread()
+        peak = moved_to(unread, stack, near).spread()
+        if search is None:
+            return peak
+        return peak._replace(doubt=wrap_doubt(stack, near, looks, pair.centre_frequency, search))
 
-    return over_lags(pair, window, float(np.abs(delay).max()), lags_per_resolution, 0.0, read, delay)
+    return over_lags(pair, window, reach, lags_per_resolution, 0.0, read, delay)
 
 
 def by_rows(
@@ -186,7 +204,7 @@ def describe(
     *,
     refine: bool,
     search: float,
-    wrap_errors: WrapErrors = bounds.wrap_error_probability,
+    bandwidth: float | None = None,
 ) -> DelayEstimate:
     """Turn peaks into estimates: residual phase, coherence, uncertainty, validity.
 
@@ -200,24 +218,15 @@ def describe(
         Whether the residual phase refines the delay.
     search
         Largest delay that was looked for [s].
-    wrap_errors
-        Predicts the wrap errors of the method.
+    bandwidth
+        Of the flat band that tells the delay as well as the method does without the phase [Hz]; the pair's where None.
     """
     magnitude = np.abs(peak.product)
     has_echo = peak.energy > 0
     coherence = np.minimum(np.divide(magnitude, peak.energy, out=np.zeros_like(magnitude), where=has_echo), 1.0)
     looks = window.looks(pair)
-    debiased = debiased_coherence(coherence, looks)
-    bound = (
-        bounds.coherent_delay_crlb(looks, debiased, pair.centre_frequency, pair.bandwidth)
-        if refine
-        else bounds.group_delay_crlb(looks, debiased, pair.bandwidth)
-    )
-    energy = peak.energy / window.pixels
-    brightness = np.divide(energy, energy + energy.mean(), out=np.zeros_like(magnitude), where=has_echo)
-    wrong = predicted_wrap_errors(
-        wrap_errors, debiased, looks, pair.bandwidth / pair.centre_frequency, search * pair.centre_frequency
-    )
+    relative_bandwidth = (bandwidth or pair.bandwidth) / pair.centre_frequency
+    within_wrap = delay_std(coherence, looks, relative_bandwidth, refine=refine) / pair.centre_frequency
     return DelayEstimate(
         *(
             np.broadcast_to(array, pair.shape)
@@ -225,9 +234,10 @@ def describe(
                 refined_delay(peak, pair.centre_frequency) if refine else peak.delay,
                 np.pi - np.mod(np.angle(peak.product) + np.pi, 2 * np.pi),
                 coherence,
-                predicted_std(bound, search),
-                wrong,
-                coherence * brightness,
+                debiased_coherence(coherence, looks),
+                predicted_std(within_wrap, search),
+                peak.doubt,
+                1 - peak.doubt,
                 window.inside(pair) & peak.inside & has_echo,
             )
         )

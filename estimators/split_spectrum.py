@@ -1,19 +1,18 @@
 """Split spectrum (Delta-k): the phase slope between two outer sub-bands."""
 
 from dataclasses import dataclass
-from functools import lru_cache, partial
 
 import numpy as np
 import scipy.fft
 
-from estimators import bounds
 from estimators.estimate import DelayEstimate
 from estimators.interferogram import zero_lag
+from estimators.lag_product import power
 from estimators.peak import Peak
-from estimators.search import by_rows, describe
+from estimators.search import by_rows, describe, refined_delay
 from estimators.sub_bands import band_pass, band_share, carried_to, lag_slope
-from estimators.uncertainty import WrapErrors
 from estimators.windows import WindowPolicy
+from estimators.wrap_doubt import sub_band_doubt
 from sim import EchoPair, checks
 from sim.band import Complex
 
@@ -59,29 +58,26 @@ class SplitSpectrum:
         if width * pair.grid.period < 1:
             raise ValueError(f"sub_bandwidth is {width:g} Hz; it must hold a Fourier bin, {1 / pair.grid.period:g} Hz")
         apart = pair.bandwidth - width
+        looks = 2 * width / pair.bandwidth * window.looks(pair)
 
         def peaks(primary: Complex, secondary: Complex) -> Peak:
             frequencies = scipy.fft.fftfreq(primary.shape[1], 1 / pair.sample_rate)
             shares = [band_share(frequencies, centre, width) for centre in (-apart / 2, apart / 2)]
-            low, high = (window.sum(band_pass(primary, share).conj() * band_pass(secondary, share)) for share in shares)
+            parts = [(band_pass(primary, share), band_pass(secondary, share)) for share in shares]
+            low, high = (window.sum(p.conj() * s) for p, s in parts)
             spacing = np.average(frequencies, weights=shares[1]) - np.average(frequencies, weights=shares[0])
             slope = -np.angle(high * low.conj()) / (2 * np.pi * spacing)
             peak = zero_lag(primary, secondary, window)
             turn = lag_slope(primary, secondary, frequencies, window)
-            return peak._replace(delay=slope, product=carried_to(slope, peak.product, turn)).spread()
+            peak = peak._replace(delay=slope, product=carried_to(slope, peak.product, turn))
+            powers = (window.sum(power(a) + power(b)) for a, b in zip(*parts, strict=True))
+            energy = np.sqrt(next(powers) * next(powers))
+            near = refined_delay(peak, pair.centre_frequency) * pair.centre_frequency
+            doubt = sub_band_doubt(low, high, energy, near, spacing / pair.centre_frequency, looks)
+            return peak._replace(doubt=doubt).spread()
 
         peak = by_rows(pair, window, 0, BYTES_PER_SAMPLE, peaks)
-        return describe(
-            pair,
-            window,
-            peak,
-            refine=self.refine,
-            search=0.5 / apart,
-            wrap_errors=_prediction(width / pair.bandwidth),
-        )
-
-
-@lru_cache
-def _prediction(sub_band_share: float) -> WrapErrors:
-    """One object for one share, so that its table is made once."""
-    return partial(bounds.split_spectrum_wrap_error_probability, sub_band_share=sub_band_share)
+        # Two bands have the rms width of a flat one that is narrower by the factor of their bound.
+        share = width / pair.bandwidth
+        bandwidth = pair.bandwidth * np.sqrt(6 * share) * (1 - share)
+        return describe(pair, window, peak, refine=self.refine, search=0.5 / apart, bandwidth=bandwidth)

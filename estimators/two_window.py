@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from estimators.estimate import DelayEstimate, Estimator
 from estimators.search import describe, read_at
-from estimators.uncertainty import debiased_coherence, predicted_phase_std
-from estimators.windows import FixedWindow, Window, WindowPolicy
+from estimators.uncertainty import small_window_std
+from estimators.windows import FixedWindow, WindowPolicy
 from sim import EchoPair, checks
 from sim.band import Real
 
@@ -24,10 +24,10 @@ class TwoWindow:
     off centre; read again at the delay found, dark pixels, where it is far off, would do worse. (Combining neighbours
     for the wrap alone is what paper A leaves as future work.)
 
-    The wrap-error probability is the one that the other estimator claims. The predicted spread is that of the small
-    window's phase, from the exact density at its looks; its own coherence tells little of it, and nothing for a single
+    Wrap-error probability and quality are those that the other estimator claims. The predicted spread is that of
+    the small window's phase, given how bright it is; its own coherence tells little of it, and nothing for a single
     pixel, so that the coherence of the other estimator's window is taken where it has a larger one (an attribute
-    `window`). The quality is the product of both. Valid is what both windows find valid.
+    `window`). Valid is what both windows find valid.
 
     Parameters
     ----------
@@ -55,23 +55,19 @@ class TwoWindow:
         near = np.where(within, wide.delay, 0.0)
         peak = read_at(pair, phase, near, self.lags_per_resolution)
         narrow = describe(pair, phase, peak, refine=True, search=0.5 / pair.centre_frequency)
+        std = small_window_std(pair, peak, phase, phase, narrow.debiased_coherence)
+        around = getattr(self.wrap, "window", None)
+        if isinstance(around, WindowPolicy):
+            larger = around.on(pair)
+            by_wide = np.asarray(larger.looks(pair)) > phase.looks(pair)
+            std = np.where(by_wide, small_window_std(pair, peak, phase, larger, wide.debiased_coherence), std)
         return replace(
             narrow,
-            delay_std=self._delay_std(pair, phase, wide, narrow),
+            delay_std=std,
             wrap_error_probability=wide.wrap_error_probability,
-            quality=wide.quality * narrow.quality,
+            quality=wide.quality,
             valid=wide.valid & narrow.valid & within,
         )
-
-    def _delay_std(self, pair: EchoPair, phase: Window, wide: DelayEstimate, narrow: DelayEstimate) -> Real:
-        looks = phase.looks(pair)
-        around = getattr(self.wrap, "window", None)
-        larger = around.on(pair).looks(pair) if isinstance(around, WindowPolicy) else 0.0
-        by_wide = np.asarray(larger) > looks
-        sample = np.where(by_wide, wide.coherence, narrow.coherence)
-        coherence = debiased_coherence(sample, np.where(by_wide, larger, looks))
-        std: Real = predicted_phase_std(coherence, looks) / (2 * np.pi * pair.centre_frequency)
-        return std
 
 
 def _readable(delay: Real, pair: EchoPair) -> NDArray[np.bool_]:

@@ -1,22 +1,14 @@
-"""From coherence and looks to the spread and the wrap errors that an estimate has to expect."""
-
-from collections.abc import Callable
-from functools import lru_cache
+"""From coherence and looks to the spread that an estimate has to expect."""
 
 import numpy as np
 
 from estimators import bounds
+from estimators.lag_product import power, scale_of
+from estimators.peak import Peak
+from estimators.posterior import Looks, phase_std
+from estimators.windows import Window
+from sim import EchoPair
 from sim.band import Real
-
-WrapErrors = Callable[[float, Real, float], Real]
-"""Probability of a wrap error from looks, coherence and relative bandwidth."""
-
-NODES = 257
-"""Coherences at which predictions are tabulated."""
-
-
-Looks = float | Real
-"""Independent looks of a window: a number, or one for each time."""
 
 
 def debiased_coherence(sample_coherence: Real, looks: Looks) -> Real:
@@ -32,51 +24,33 @@ def predicted_std(bound: Real, search: float) -> Real:
     return std
 
 
-def predicted_phase_std(coherence: Real, looks: Looks) -> Real:
-    """Standard deviation of a multilook phase [rad], `estimators.bounds.multilook_phase_std` over the coherence."""
-    return _interpolated(coherence, looks, _phase_std_table)
+def small_window_std(pair: EchoPair, peak: Peak, small: Window, large: Window, coherence: Real) -> Real:
+    """Standard deviation of the delay [s] from the phase of a small window, whose coherence a large one tells.
 
+    Given the magnitudes in the small window the phase has von Mises' density, of concentration
+    `2 gamma |C| / ((1 - gamma^2) E)` with the product `C` summed over its looks and the mean energy `E` of a look:
+    dark pixels have poor phases.
 
-def predicted_wrap_errors(
-    predict: WrapErrors, coherence: Real, looks: Looks, relative_bandwidth: float, search_wraps: float
-) -> Real:
-    """Probability of a wrong wrap, at most that of a guess within `search_wraps` wraps on either side.
-
-    Interpolates a prediction, `estimators.bounds.wrap_error_probability` or its like, over the coherence.
+    Parameters
+    ----------
+    pair
+        The echoes.
+    peak
+        The small window's lag product at the delay.
+    small, large
+        The windows.
+    coherence
+        The large window's, debiased, shape (rows, time).
     """
-    predicted = _interpolated(coherence, looks, lambda n: _wrap_error_table(predict, n, relative_bandwidth))
-    guess = max(1 - 1 / (2 * search_wraps), 0.0)
-    # Where no prediction holds, at less than a look a sub-band, a guess is all that is left.
-    no_more: Real = np.fmin(predicted, guess)
-    return no_more
-
-
-def _interpolated(coherence: Real, looks: Looks, table: Callable[[float], tuple[Real, Real]]) -> Real:
-    """Read the table of each distinct number of looks, which stands for one time or for all."""
-    if np.ndim(looks) == 0:
-        read: Real = np.interp(coherence, *table(float(looks)))
-        return read
-    distinct, which = np.unique(looks, return_inverse=True)
-    read = np.empty(coherence.shape)
-    for number, n in enumerate(distinct):
-        at = which == number
-        read[..., at] = np.interp(coherence[..., at], *table(float(n)))
-    return read
-
-
-@lru_cache(maxsize=256)
-def _wrap_error_table(predict: WrapErrors, looks: float, relative_bandwidth: float) -> tuple[Real, Real]:
-    nodes = _coherence_nodes()
-    return nodes, predict(looks, nodes, relative_bandwidth)
-
-
-@lru_cache(maxsize=256)
-def _phase_std_table(looks: float) -> tuple[Real, Real]:
-    nodes = _coherence_nodes()
-    return nodes, bounds.multilook_phase_std(looks, nodes)
-
-
-def _coherence_nodes() -> Real:
-    """Even steps in the angle whose sine is the coherence: dense where spread and wrap errors fall fastest."""
-    nodes: Real = np.sin(np.linspace(0, np.pi / 2, NODES))
-    return nodes
+    # On the scale of the peak.
+    scaled = (np.asarray(x * scale_of(x), dtype=np.complex128) for x in (pair.primary, pair.secondary))
+    powers = [large.sum(power(series)) for series in scaled]
+    mean = np.sqrt(powers[0]) * np.sqrt(powers[1]) / large.pixels
+    here = np.abs(peak.product) / small.pixels
+    relative = np.divide(here, mean, out=np.zeros(pair.shape), where=mean > 0)
+    # The mean of 1 / (1 - g^2) of N looks is (N - 1) / (N - 2) times what it estimates.
+    freedom = np.maximum(large.looks(pair), 3.0)
+    noise = np.maximum((1 - coherence) * (1 + coherence), 1e-300) * (freedom - 1) / (freedom - 2)
+    concentration = 2 * coherence / noise * relative * small.looks(pair)
+    std: Real = phase_std(concentration) / (2 * np.pi * pair.centre_frequency)
+    return std

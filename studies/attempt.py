@@ -85,4 +85,4 @@ def _checked(estimate: DelayEstimate, pair: EchoPair) -> DelayEstimate:
 
 def _nothing(pair: EchoPair) -> DelayEstimate:
     unknown = np.full(pair.shape, np.nan)
-    return DelayEstimate(*(unknown,) * 6, valid=np.zeros(pair.shape, dtype=np.bool_))
+    return DelayEstimate(*(unknown,) * 7, valid=np.zeros(pair.shape, dtype=np.bool_))

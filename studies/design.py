@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from estimators import FixedWindow
 from sim import Sonar
+from studies.experiment import Experiment
 from studies.levels import Levels
 from studies.method import Method, methods_of
 from studies.patch import Patch
@@ -81,10 +82,10 @@ def points(study: Study) -> Iterator[Point]:
         yield Point(number, found.varied, found.sonar, world, found.plain)
 
 
-def computed(study: Study) -> Iterator[tuple[Mapping[str, Any], Levels | Plans, Sonar]]:
-    """Of a study without blocks, what varies at each design point, by column, and what makes a table for a sonar."""
+def computed(study: Study) -> Iterator[tuple[Mapping[str, Any], Levels | Plans | Experiment, Sonar]]:
+    """Of a study without trials, what varies at each design point, by column, and what makes a table for a sonar."""
     for found in _resolved(study):
-        assert isinstance(found.section, Levels | Plans)
+        assert isinstance(found.section, Levels | Plans | Experiment)
         yield columns_of(found.varied), found.section, found.sonar
 
 

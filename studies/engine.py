@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 from studies import manifest, seeds
 from studies.blocks import Store
 from studies.design import Point, Task, blocks, computed, methods, points, task
+from studies.experiment import Experiment
 from studies.lock import only_writer
 from studies.measure import measure
 from studies.method import Method
 from studies.named import imported
 from studies.parallel import BACKENDS, one_thread, parallel
 from studies.stopping import standings
-from studies.study import COMPUTED, Study
+from studies.study import Study
 from studies.table import columns_at
 
 LOOSE = 512
@@ -102,8 +103,12 @@ def check(study: Study) -> list[Point]:
             imported(section.draw, "draw")
     if study.answer is not None:
         imported(study.answer, "answer")
-    if study.kind in COMPUTED:
+    if not study.simulates:
+        if study.experiment is not None:
+            imported(study.experiment.measure, "measure")
+            return []
         for varied, makes, sonar in computed(study):
+            assert not isinstance(makes, Experiment)
             study.check_columns([*varied, *makes.columns(sonar)])
         return []
     found = list(points(study))

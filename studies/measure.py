@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from estimators import CrossCorrelation, Estimator, FullBandPhaseSlope, MaximumLikelihood, SplitSpectrum, bounds
-from estimators.uncertainty import Looks
+from estimators.posterior import Looks
 from sim import EchoPair, Sonar
 from studies.attempt import Attempt, attempt
 from studies.design import Task
@@ -140,7 +140,8 @@ def predicted_wrap_rate(estimator: Estimator, looks: float, coherence: float, so
     """
     ratio = sonar.relative_bandwidth
     search = getattr(estimator, "search", None)
-    wraps = None if search is None else search * sonar.centre_frequency
+    # A search in height is another delay for every record.
+    wraps = search * sonar.centre_frequency if isinstance(search, float | int) else None
     if isinstance(estimator, SplitSpectrum):
         share = (estimator.sub_bandwidth or sonar.bandwidth / 3) / sonar.bandwidth
         return float(bounds.split_spectrum_wrap_error_probability(looks, coherence, ratio, sub_band_share=share))

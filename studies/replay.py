@@ -5,7 +5,7 @@ import pandas as pd
 
 from studies.design import Task, blocks, methods, points, task
 from studies.measure import apply, echoes, measure
-from studies.study import COMPUTED, Study
+from studies.study import Study
 from studies.table import row
 
 
@@ -48,7 +48,15 @@ def one_trial(study: Study, seed: int, point: int, block: int, trial: int) -> pd
             here = int(np.flatnonzero(of_rows == trial)[0])
             values = {
                 name: reading.of(getattr(made.estimate, name))[here]
-                for name in ("delay", "coherence", "delay_std", "wrap_error_probability", "quality", "valid")
+                for name in (
+                    "delay",
+                    "coherence",
+                    "debiased_coherence",
+                    "delay_std",
+                    "wrap_error_probability",
+                    "quality",
+                    "valid",
+                )
             }
             counted = np.broadcast_to(reading.counted, reading.errors.shape)[here]
             shown = pd.DataFrame({"delay_error": reading.errors[here], **values}).loc[counted]
@@ -60,8 +68,8 @@ def one_trial(study: Study, seed: int, point: int, block: int, trial: int) -> pd
 
 
 def _task(study: Study, point: int, block: int) -> Task:
-    if study.kind in COMPUTED:
-        raise ValueError(f"{study.name} is computed anew; it has no blocks")
+    if not study.simulates:
+        raise ValueError(f"{study.name} has no trials; it has no blocks")
     design = list(points(study))
     _check("point", point, len(design))
     _check("block", block, blocks(study))

@@ -16,7 +16,7 @@ from studies.measurement import Measurement
 from studies.named import called, imported
 from studies.page import page
 from studies.stopping import Standing, measured_blocks
-from studies.study import COMPUTED, Study
+from studies.study import Study
 from studies.table import row
 
 
@@ -76,7 +76,7 @@ def result(study: Study, store: Store) -> Result:
     ValueError
         Where no block is there.
     """
-    if study.kind in COMPUTED:
+    if not study.simulates:
         tables = [_beside(varied, section.table(sonar)) for varied, section, sonar in computed(study)]
         return Result(pd.concat(tables, ignore_index=True), pd.DataFrame(), pd.DataFrame(), [])
     rows: list[dict[str, Any]] = []

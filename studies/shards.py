@@ -11,7 +11,6 @@ from studies.design import methods, points
 from studies.engine import Share, store_of
 from studies.lock import only_writer
 from studies.stopping import standings
-from studies.study import COMPUTED
 
 
 def parsed(text: str) -> Share:
@@ -60,8 +59,8 @@ def merge(folder: Path, parts: Sequence[Path]) -> pd.DataFrame:
 def _take_over(folder: Path, part: Path) -> None:
     """Add the blocks of a shard to those of a folder, a file for each point."""
     study, seed = manifest.study_of(part)
-    if study.kind in COMPUTED:
-        raise ValueError(f"{part} holds a study that is computed anew; it has no blocks")
+    if not study.simulates:
+        raise ValueError(f"{part} holds a study that has no trials; it has no blocks")
     manifest.begin(study, seed, folder)
     here, there = store_of(study, seed, folder), store_of(study, seed, part)
     for point in points(study):

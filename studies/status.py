@@ -8,13 +8,13 @@ import pandas as pd
 from studies.design import methods, points
 from studies.engine import store_of
 from studies.stopping import Standing, measured_blocks
-from studies.study import COMPUTED, Study
+from studies.study import Study
 
 
 def status(study: Study, seed: int, folder: Path) -> pd.DataFrame:
     """Blocks of each design point that are there with all estimators, that are missing, and that hold failures."""
-    if study.kind in COMPUTED:
-        raise ValueError(f"{folder} holds a study that is computed anew; it has no blocks")
+    if not study.simulates:
+        raise ValueError(f"{folder} holds a study that has no trials; it has no blocks")
     store, rows = store_of(study, seed, folder), []
     for point in points(study):
         found = {method.labels: Standing(study) for method in methods(study, point)}

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Self
 from pydantic import Field, ValidationError, model_validator
 
 from studies.drawing import FigureSection, SummarySection, check_columns
+from studies.experiment import Experiment
 from studies.levels import Levels
 from studies.method import EstimatorSection
 from studies.patch import Patch
@@ -60,10 +61,7 @@ class Trials(Section):
     until: Until | None = None
 
 
-COMPUTED = ("levels", "plans")
-"""Sections that make a table as it is asked for, without blocks of trials."""
-
-KINDS = ("patch", "scene", *COMPUTED)
+KINDS = ("patch", "scene", "levels", "plans", "experiment")
 """Sections of which a study has one."""
 
 Axis = Annotated[Mapping[str, Annotated[tuple[Any, ...], Field(min_length=1)]], Field(min_length=1)]
@@ -80,8 +78,8 @@ class Study(Section):
         What it asks, in a sentence.
     sonar
         The sonar.
-    patch, scene, levels, plans
-        What is simulated, or only computed: one of the four.
+    patch, scene, levels, plans, experiment
+        What is simulated trial by trial, only computed, or measured by a function of one's own: one of the five.
     estimators
         What is compared, all on the same echoes; none where there are no trials.
     axes
@@ -107,6 +105,7 @@ class Study(Section):
     scene: Swath | None = None
     levels: Levels | None = None
     plans: Plans | None = None
+    experiment: Experiment | None = None
     estimators: tuple[EstimatorSection, ...] = ()
     axes: tuple[Axis, ...] = ()
     points: tuple[Mapping[str, Any], ...] = ()
@@ -144,16 +143,21 @@ class Study(Section):
         """Name of the section that says what is simulated or computed."""
         return next(name for name in KINDS if getattr(self, name) is not None)
 
+    @property
+    def simulates(self) -> bool:
+        """Whether it has trials, in blocks that are stored."""
+        return self.kind in ("patch", "scene")
+
     def _check_what(self) -> None:
         """ValueError unless one thing is simulated or computed, with what that needs."""
         given = [name for name in KINDS if getattr(self, name) is not None]
         if len(given) != 1:
             raise ValueError(f"{' and '.join(given) or 'none'} of {', '.join(KINDS)} is given; it must be one of them")
         for name in ("estimators", "trials"):
-            if given[0] not in COMPUTED and not (name in self.model_fields_set and getattr(self, name)):
+            if self.simulates and not (name in self.model_fields_set and getattr(self, name)):
                 raise ValueError(f"{name} is missing; it must be given")
-            if given[0] in COMPUTED and name in self.model_fields_set:
-                raise ValueError(f"{name} is given beside {given[0]}; it must not be, as no trials are simulated")
+            if not self.simulates and name in self.model_fields_set:
+                raise ValueError(f"{name} is given beside {given[0]}; it must not be, as there are no trials")
 
     def check_columns(self, known: Sequence[str]) -> None:
         """ValueError for a column of the summary or a figure that the table does not have."""

@@ -38,7 +38,7 @@ def silence(ground_range, shape=(3, 64)):
 def estimate_of(delay, delay_std=1e-8, coherence=0.9, wraps=1e-3, valid=True):
     delay, *others = (np.array(a) for a in np.broadcast_arrays(delay, delay_std, coherence, wraps, valid))
     std, gamma, wrong, keeps = others
-    return DelayEstimate(delay, 0 * delay, gamma, std, wrong, gamma, keeps.astype(bool))
+    return DelayEstimate(delay, 0 * delay, gamma, gamma, std, wrong, gamma, keeps.astype(bool))
 
 
 @given(st.floats(45.0, 400.0), st.floats(-3.0, 3.0))

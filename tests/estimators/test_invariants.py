@@ -33,6 +33,7 @@ METHODS = {
     "two-window-wide": lambda window: TwoWindow(MaximumLikelihood(window), FixedWindow(1, 5)),
 }
 WRAP = 1 / 100e3
+SHARES = ("coherence", "debiased_coherence", "wrap_error_probability", "quality")
 
 method = pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
 
@@ -83,9 +84,9 @@ def test_a_common_gain_or_phase_changes_nothing(make_patch, method, options, win
 def test_what_is_reported_lies_within_its_limits(make_patch, method, options, window):
     pair = make_patch(**options)
     estimate = method(window).estimate(pair)
-    for name in ("delay", "phase", "coherence", "delay_std", "wrap_error_probability", "quality", "valid"):
+    for name in ("delay", "phase", *SHARES, "delay_std", "valid"):
         assert getattr(estimate, name).shape == pair.shape
-    for name in ("coherence", "wrap_error_probability", "quality"):
+    for name in SHARES:
         value = getattr(estimate, name)[estimate.valid]
         assert np.all((value >= 0) & (value <= 1))
     assert np.all(np.isfinite(estimate.delay[estimate.valid]))
@@ -178,7 +179,7 @@ def test_the_smallest_numbers_are_no_trap(make_patch, method, scale):
     tiny = replace(pair, primary=scale * pair.primary, secondary=scale * pair.secondary)
     with np.errstate(all="ignore"):
         estimate = method(FixedWindow(1, 9)).estimate(tiny)
-    for name in ("delay", "phase", "coherence", "delay_std", "wrap_error_probability", "quality"):
+    for name in ("delay", "phase", *SHARES, "delay_std"):
         assert np.all(np.isfinite(getattr(estimate, name)[estimate.valid]))
 
 

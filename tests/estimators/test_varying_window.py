@@ -69,7 +69,9 @@ def test_every_estimator_gives_at_each_time_what_the_fixed_window_gives(make_pat
             scale = 1e-5 if name.startswith("delay") else 1.0
             # The spread at a coherence of 1 is the root of its rounding, 1e-8 or so of 1 / B.
             scale *= 1e3 if name == "delay_std" else 1.0
-            np.testing.assert_allclose(here, there, rtol=1e-10, atol=1e-10 * scale, err_msg=name)
+            # Rivals are read at whole 128ths of a lag, to which rounding may take them one way or the other.
+            rtol, atol = (0, 0.02) if name == "wrap_error_probability" else (1e-10, 1e-10 * scale)
+            np.testing.assert_allclose(here, there, rtol=rtol, atol=atol, err_msg=name)
 
 
 @given(window=varying(), seed=st.integers(0, 2**32 - 1), circular=st.booleans())

@@ -99,14 +99,14 @@ def test_wrap_rate(oracle, method, column, looks, coherence):
     assert rate == pytest.approx(expected, abs=3 * error + 0.00005), f"standard error {error:.2g}"
 
 
-def test_predicted_spread_and_wrap_probability_are_those_of_the_study():
-    # Medians over records of 81 looks and coherence .5: within 3 % of the bound, 10 % of the predicted wrap rate.
+def test_predicted_spread_is_that_of_the_study():
+    # Medians over records of 81 looks and coherence .5: within 3 % of the bound. What is said of wraps is right on
+    # average over coherences, and at one above the rate, here by a fifth.
     rng = np.random.default_rng(SEED)
     pair = speckle_pair(
         (20_000, 81), coherence=0.5, delay=0.0, centre_frequency=FC, bandwidth=B, sample_rate=B, rng=rng
     )
     estimate = CrossCorrelation(FixedWindow(1, 81)).estimate(pair)
     assert np.median(estimate.delay_std) == pytest.approx(bounds.coherent_delay_crlb(81, 0.5, FC, B), rel=0.03)
-    assert np.median(estimate.wrap_error_probability) == pytest.approx(
-        float(bounds.wrap_error_probability(81, 0.5, B / FC)), rel=0.1
-    )
+    rate = float(bounds.cross_correlation_wrap_error_probability(81, 0.5, B / FC))
+    assert rate < np.mean(estimate.wrap_error_probability[:, 0]) < 1.35 * rate

@@ -49,7 +49,7 @@ def test_a_computed_study_writes_what_others_do(levels):
     for name in ("table.csv", "manifest.json", "report.html", "figures/snr.png", "figures/scattering-strength.png"):
         assert (folder / name).is_file()
     assert "coarse sand 65 dB (to -6.4 dB)" in report.answer(study, found)
-    with pytest.raises(ValueError, match="is computed anew; it has no blocks"):
+    with pytest.raises(ValueError, match="has no trials; it has no blocks"):
         one_block(study, 1, 0, 0)
 
 
@@ -76,3 +76,16 @@ def test_calibration_has_200_points_and_more_and_names_what_fails():
     assert "in the 95 % interval at 50% of 4 points, within it or 5 % of it at 75% (not at 1 of B/fc = 0.6)" in said
     assert "at worst 1.50, for 9 looks, B/fc = 0.6 and a rate of 1.5e-03" in said
     assert "0.90 to 1.10 times the predicted one" in said
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("name", "rows"), [("reliability", 40), ("quality", 5), ("neighbours", 10)])
+def test_experiments_are_measured_again_with_the_same_numbers(name, rows, tmp_path):
+    study = catalogue.study(name).with_values({"experiment.rows": rows})
+    engine.run(study, engine.Run(), tmp_path)
+    found, again = (report.result(study, engine.store_of(study, 2026, tmp_path)) for _ in range(2))
+    pd.testing.assert_frame_equal(found.table, again.table)
+    paths = report.write(study, found, tmp_path)
+    assert (tmp_path / "report.html") in paths
+    assert len(report.answer(study, found)) > 100
+    assert not report.summary(study, found).empty

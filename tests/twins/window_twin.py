@@ -55,5 +55,6 @@ def peak(products, energies, index):
             gradient = (np.conj(value) * slope).real
             curvature = np.abs(slope) ** 2 + (np.conj(value) * curve).real
             share = np.clip(share - (gradient / curvature if curvature < 0 else 0.0), -1, 1)
-    beside = energies[index + (-1 if share < 0 else 1)]
-    return share, polynomial(share), energies[index] + abs(share) * (beside - energies[index]), inside
+    three = energies[index - 1 : index + 2]
+    energy = max(np.polyval(np.polyfit([-1, 0, 1], three, 2), share), three.min())
+    return share, polynomial(share), energy, inside

@@ -1,0 +1,105 @@
+"""How widely a delay may lie about its peak within the wrap, given the sample coherence there.
+
+Over N looks of circular Gaussian series the secondary is the primary times a complex number, and noise. With the scale
+of the noise and the number's magnitude integrated out, the likelihood of a delay is `(1 - c(tau)^2)^-(N - 1/2)` where
+the normalised passband correlation `c(tau) = Re{exp(2 pi i fc tau) C(tau)} / E` is positive, and 1 where it is not:
+about a peak of height g Student's t of 2N - 2 degrees of freedom, which the phase error follows exactly whatever the
+true coherence, as `sin(phi) g sqrt(2N - 2) / sqrt(1 - g^2)` does. The bound at the debiased coherence instead covers
+less than it says at few looks: 87 to 92 % of errors for 5 to 15 looks.
+"""
+
+from collections.abc import Callable
+from functools import lru_cache
+
+import numpy as np
+
+from sim.band import Real
+
+Looks = float | Real
+"""Independent looks of a window: a number, or one for each time."""
+
+NODES = 129
+"""Coherences at which intervals are tabulated: even steps in the angle whose sine they are, with which intervals near
+full coherence go to zero on a straight line."""
+
+GUESS = 0.475
+"""Half-width of the 95 % interval of a guess within a wrap [wraps]."""
+
+NORMAL_95 = 1.959963984540054
+"""Half the width of a 95 % interval of a normal distribution, in standard deviations."""
+
+
+def delay_std(coherence: Real, looks: Looks, relative_bandwidth: float, *, refine: bool) -> Real:
+    """Half of the 95 % interval of a delay within its wrap, over 1.96 [wraps].
+
+    The interval holds 95 % of the likelihood `(1 - g^2 s(tau)^2)^-n` within half a wrap, where `s` is positive, and of
+    1 where it is not: `s = cos(2 pi fc tau)` and `n = N - 1/2` where the phase refines the delay, `s = sinc(W B tau)`
+    and `n = N - 1` where it does not, with the share W of the band that N looks of speckle fill. For many looks that is
+    1.96 times the Cramér-Rao bound; a guess within a wrap has 0.24.
+
+    Parameters
+    ----------
+    coherence
+        Sample coherence `g` at the delay, shape (..., time).
+    looks
+        Equivalent independent looks; of a single one nothing is known.
+    relative_bandwidth
+        `B / fc`.
+    refine
+        Whether the phase refines the delay.
+    """
+    bandwidth = 0.0 if refine else relative_bandwidth
+    return read_by_looks(coherence, looks, lambda n: _widths(n, bandwidth)) / NORMAL_95
+
+
+def phase_std(concentration: Real) -> Real:
+    """Half of the 95 % interval of a phase of von Mises' density `exp(k cos(phi))`, over 1.96 [rad]."""
+    log_k, widths = _von_mises_widths()
+    width: Real = np.exp(np.interp(np.log(np.maximum(concentration, 1e-30)), log_k, widths))
+    return width / NORMAL_95
+
+
+@lru_cache(maxsize=1)
+def _von_mises_widths() -> tuple[Real, Real]:
+    """Log of the half-width of 95 % [rad] over that of the concentration."""
+    log_k = np.linspace(np.log(1e-2), np.log(1e12), 257)
+    phase = np.concatenate([[0.0], np.geomspace(1e-8, np.pi, 2000)])
+    density = np.exp(-2 * np.exp(log_k)[:, None] * np.sin(phase / 2) ** 2)
+    return log_k, np.log([np.interp(0.95 * line[-1], line, phase) for line in _cumulated(density, phase)])
+
+
+def _cumulated(density: Real, at: Real) -> Real:
+    steps = np.diff(at) * (density[:, 1:] + density[:, :-1]) / 2
+    return np.pad(np.cumsum(steps, axis=1), ((0, 0), (1, 0)))
+
+
+def read_by_looks(coherence: Real, looks: Looks, table: Callable[[float], tuple[Real, Real]]) -> Real:
+    """A table over the angle whose sine is the coherence, for one number of looks or each distinct one at its times."""
+    distinct, which = np.unique(looks, return_inverse=True)
+    if len(distinct) == 1:
+        read: Real = np.interp(np.arcsin(coherence), *table(float(distinct[0])))
+        return read
+    read = np.empty(coherence.shape)
+    for number, n in enumerate(distinct):
+        at = which == number
+        read[..., at] = np.interp(np.arcsin(coherence[..., at]), *table(float(n)))
+    return read
+
+
+@lru_cache(maxsize=256)
+def _widths(looks: float, relative_bandwidth: float) -> tuple[Real, Real]:
+    """Half-widths of 95 % [wraps] over the angle; at a bandwidth of zero those of the carrier."""
+    angles = np.linspace(0, np.pi / 2, NODES)
+    if looks <= 1:
+        return angles, np.full(NODES, GUESS)
+    delay = np.concatenate([[0.0], np.geomspace(1e-6, 0.5, 600)])
+    refined = relative_bandwidth == 0
+    # The power of N looks of speckle spreads over less than the band: the mean of 1 / W^2 of the share W of its rms
+    # width, which is N / (N + 1) in the mean of W^2 with the variance 0.8 / (N + 1), to second order.
+    narrowing = np.sqrt((1 + 1 / looks) * (1 + 0.8 / (looks + 1)))
+    shape = np.cos(2 * np.pi * delay) if refined else np.sinc(relative_bandwidth * delay / narrowing)
+    fading = (np.sin(angles[:-1, None]) * np.maximum(shape, 0.0)) ** 2
+    power = looks - (0.5 if refined else 1.0)
+    likelihood = np.exp(power * (np.log1p(-fading[:, :1]) - np.log1p(-fading)))
+    held = _cumulated(likelihood, delay)
+    return angles, np.array([*(np.interp(0.95 * line[-1], line, delay) for line in held), 0.0])

@@ -1,0 +1,73 @@
+"""Neighbours combined to a requested accuracy."""
+
+import numpy as np
+import pytest
+
+from estimators import CombinedNeighbours, CrossCorrelation, FixedWindow, FullBandPhaseSlope, bounds, conformance
+from sim import speckle_pair
+
+FC, B = 100e3, 30e3
+
+
+@pytest.fixture(scope="module")
+def speckle():
+    """Single pixels at 15 dB, half of which are in a wrong wrap."""
+    pair = speckle_pair(
+        (40, 256),
+        coherence=float(bounds.coherence_from_snr(10**1.5)),
+        delay=0.3 / B,
+        centre_frequency=FC,
+        bandwidth=B,
+        sample_rate=4 / 3 * B,
+        rng=np.random.default_rng(20261124),
+    )
+    return pair, FullBandPhaseSlope().estimate(pair)
+
+
+@pytest.mark.parametrize("std", [0.02, 0.01, 0.006])
+def test_single_pixels_are_combined_to_what_was_asked_for(speckle, std):
+    pair, single = speckle
+    assert 0.4 < np.mean(np.abs(single.delay - 0.3 / B) < 0.5 / FC) < 0.6
+    combined = CombinedNeighbours(std=std / FC).estimate(pair)
+    error = (combined.delay - 0.3 / B) * FC
+    assert combined.valid.mean() > 0.99
+    assert (np.abs(error) < 0.5)[combined.valid].mean() > 0.999
+    by_row = (error**2).mean(axis=1)
+    spread = np.sqrt(by_row.mean())
+    # Rows are independent; false-alarm rate 1e-6.
+    noise = 4.9 * by_row.std(ddof=1) / np.sqrt(len(by_row)) / (2 * spread)
+    assert spread < std + noise
+    claimed = FC * np.sqrt((combined.delay_std**2).mean())
+    assert spread == pytest.approx(claimed, rel=0.25, abs=noise)
+
+
+def test_what_cannot_be_reached_is_said(speckle):
+    pair, _ = speckle
+    combined = CombinedNeighbours(std=1e-4 / FC).estimate(pair)
+    assert not combined.valid.any()
+    assert np.all(combined.delay_std > 1e-4 / FC)
+    # The largest window is taken all the same.
+    assert np.std(combined.delay) < 0.005 / FC
+
+
+def test_more_is_not_averaged_than_is_needed(speckle):
+    pair, single = speckle
+    alone = CombinedNeighbours(std=1.0).estimate(pair)
+    sure = single.valid & (single.wrap_error_probability < 0.1)
+    assert 0.4 < sure.mean() < 0.6
+    np.testing.assert_allclose(alone.delay[sure], single.delay[sure], rtol=0, atol=1e-12 / FC)
+    np.testing.assert_allclose(alone.delay_std[sure], single.delay_std[sure], rtol=0.1)
+
+
+@pytest.mark.parametrize(
+    "estimator", [CombinedNeighbours(std=5e-7), CombinedNeighbours(CrossCorrelation(FixedWindow(1, 9)), std=2e-7)]
+)
+def test_it_does_what_every_estimator_must(estimator):
+    assert conformance.findings(estimator) == []
+
+
+def test_combinations_that_cannot_be():
+    with pytest.raises(ValueError, match=r"^std is 0 s; it must be above 0 s$"):
+        CombinedNeighbours(std=0.0)
+    with pytest.raises(ValueError, match=r"^estimator is 3; it must have a method estimate\(pair\)$"):
+        CombinedNeighbours(3)

@@ -1,0 +1,137 @@
+"""The spread and the wrap errors that an estimate predicts for itself, against their definitions and against rates."""
+
+import mpmath
+import numpy as np
+import pytest
+from scipy.special import stdtrit
+
+from estimators import CrossCorrelation, FixedWindow, MaximumLikelihood, SplitSpectrum, bounds
+from estimators.posterior import GUESS, NORMAL_95, delay_std
+from estimators.wrap_doubt import _log_share, _mass_table
+from sim import speckle_pair
+
+FC, B = 100e3, 30e3
+SEED = 20261124
+
+
+@pytest.mark.parametrize("looks", [3.5, 9, 33, 600])
+@pytest.mark.parametrize("coherence", [0.95, 0.99, 0.9999])
+def test_the_interval_of_a_phase_is_students(looks, coherence):
+    # sin(phi) g sqrt(2N - 2) / sqrt(1 - g^2) is Student's t of 2N - 2 degrees of freedom, whatever the true coherence.
+    sine = stdtrit(2 * looks - 2, 0.975) * np.sqrt((1 - coherence**2) / (2 * looks - 2)) / coherence
+    found = delay_std(np.array([coherence]), looks, 0.3, refine=True)[0] * NORMAL_95
+    # The likelihood has the cosine where the pivot has the sine: they part at second order.
+    assert found == pytest.approx(np.arcsin(sine) / (2 * np.pi), rel=2e-3 + sine**2)
+
+
+def test_many_looks_have_the_bounds():
+    gamma = np.array([0.5, 0.9, 0.99])
+    refined, group = (delay_std(gamma, 5000, 0.3, refine=refine) / FC for refine in (True, False))
+    np.testing.assert_allclose(refined, bounds.phase_crlb(5000, gamma) / (2 * np.pi * FC), rtol=2e-3)
+    np.testing.assert_allclose(group, bounds.group_delay_crlb(5000, gamma, B), rtol=2e-3)
+
+
+@pytest.mark.parametrize("refine", [True, False])
+def test_of_nothing_a_guess_is_left(refine):
+    found = delay_std(np.array([0.0, 0.5]), 1.0, 0.3, refine=refine)
+    np.testing.assert_allclose(found, GUESS / NORMAL_95)
+    assert delay_std(np.array([0.0]), 9.0, 0.3, refine=refine)[0] == pytest.approx(GUESS / NORMAL_95, rel=1e-3)
+
+
+def test_looks_may_differ_in_time():
+    coherence = np.array([[0.5, 0.9, 0.7]])
+    found = delay_std(coherence, np.array([9.0, 33.0, 9.0]), 0.3, refine=True)
+    each = [delay_std(coherence[:, [i]], n, 0.3, refine=True)[0, 0] for i, n in enumerate((9.0, 33.0, 9.0))]
+    np.testing.assert_array_equal(found[0], each)
+
+
+@pytest.mark.parametrize("looks", [1.2, 2.0, 3.3, 9.0, 33.0, 600.0])
+def test_the_share_of_a_wrap_is_the_hypergeometric_function(looks):
+    for node in (10, 300, 500, 510):
+        c = node / 512
+        exact = float(mpmath.log(1 + mpmath.hyp2f1(looks - 1, 0.5, 1, c * c)))
+        assert _log_share(c, looks, _mass_table(looks)) == pytest.approx(exact, abs=1e-4)
+
+
+def patch(looks, coherence, trials):
+    rng = np.random.default_rng([SEED, looks, round(1000 * coherence)])
+    delay = rng.uniform(-0.5, 0.5, trials) / FC
+    pair = speckle_pair(
+        (trials, looks), coherence=coherence, delay=delay, centre_frequency=FC, bandwidth=B, sample_rate=B, rng=rng
+    )
+    return pair, delay
+
+
+@pytest.mark.parametrize(("looks", "coherence"), [(5, 0.8), (15, 0.3), (33, 0.6), (81, 0.5)])
+def test_the_doubt_is_the_integral_of_the_likelihood(looks, coherence):
+    """A plain sum of the definition over 128 delays a wrap, from the Fourier lines of whole records."""
+    pair, _ = patch(looks, coherence, 300)
+    estimate = MaximumLikelihood(FixedWindow(1, looks)).estimate(pair)
+    primary, secondary = np.fft.fft(pair.primary), np.fft.fft(pair.secondary)
+    energy = np.sqrt((np.abs(primary) ** 2).sum(axis=1) * (np.abs(secondary) ** 2).sum(axis=1))
+    cycles = 1 + np.fft.fftfreq(looks, 1 / B) / FC
+    search = FC / B
+    delays = np.arange(-round(128 * search), round(128 * search) + 1) / 128
+    cross = primary.conj() * secondary / energy[:, None]
+    correlation = np.real(cross @ np.exp(2j * np.pi * np.outer(cycles, delays)))
+    log = -(looks - 1) * np.log1p(-(np.maximum(correlation, 0) ** 2))
+    likelihood = np.exp(log - log.max(axis=1, keepdims=True))
+    in_wrap = np.abs(delays - FC * estimate.delay[:, :1]) <= 0.5
+    plain = 1 - (likelihood * in_wrap).sum(axis=1) / likelihood.sum(axis=1)
+    # Away from the ends of the search, where a wrap is cut.
+    inner = estimate.valid[:, 0] & (np.abs(FC * estimate.delay[:, 0]) < search - 0.5)
+    assert inner.sum() > 100
+    found = estimate.wrap_error_probability[:, 0]
+    assert np.abs(found - plain)[inner].max() < 0.1
+    assert np.median(np.abs(found - plain)[inner]) < 0.005
+
+
+@pytest.mark.parametrize("method", [CrossCorrelation, MaximumLikelihood, SplitSpectrum])
+@pytest.mark.parametrize("refine", [True, False])
+def test_95_per_cent_intervals_cover_93_to_97(method, refine):
+    if method is MaximumLikelihood and not refine:
+        pytest.skip("its delay has no part without the phase")
+    options = {} if method is MaximumLikelihood else {"refine": refine}
+    # Of 3000 records 4.9 standard errors are .02, the false-alarm rate 1e-6 each.
+    for looks, coherence in ((5, 0.9), (9, 0.5), (15, 0.7), (33, 0.9), (81, 0.3)):
+        pair, delay = patch(looks, coherence, 3000)
+        estimate = method(FixedWindow(1, looks), **options).estimate(pair)
+        error = estimate.delay[:, 0] - delay
+        right = np.abs(error) < 0.5 / FC
+        coverage = (np.abs(error) <= NORMAL_95 * estimate.delay_std[:, 0])[right].mean()
+        noise = 4.9 * np.sqrt(0.05 * 0.95 / right.sum())
+        assert 0.93 - noise < coverage < 0.97 + noise, (looks, coherence)
+
+
+def test_pixels_given_a_probability_fail_at_that_rate():
+    claimed, wrong = [], []
+    for looks in (5, 15, 45):
+        for coherence in (0.1, 0.3, 0.5, 0.7, 0.9):
+            pair, delay = patch(looks, coherence, 1500)
+            estimate = CrossCorrelation(FixedWindow(1, looks)).estimate(pair)
+            claimed.append(estimate.wrap_error_probability[:, 0])
+            wrong.append(np.abs(estimate.delay[:, 0] - delay) > 0.5 / FC)
+    claimed, wrong = np.concatenate(claimed), np.concatenate(wrong)
+    for low, high in ((0, 0.01), (0.01, 0.05), (0.05, 0.15), (0.15, 0.3), (0.3, 0.5), (0.5, 0.7), (0.7, 0.9)):
+        here = (claimed >= low) & (claimed < high)
+        said = claimed[here].mean()
+        # 4.9 standard errors; the prior of the coherence is not that of this sweep, which may make 15 %.
+        noise = 4.9 * np.sqrt(said * (1 - said) / here.sum())
+        assert wrong[here].mean() == pytest.approx(said, abs=noise + 0.15 * said), (low, high)
+
+
+def test_the_coherence_between_lags_does_not_exceed_that_of_the_echoes():
+    # At .999 hardly any estimate of seven looks has a sample coherence of 1: an energy read too small would make it so.
+    pair = speckle_pair(
+        (20, 512),
+        coherence=0.999,
+        delay=0.3 / FC,
+        centre_frequency=FC,
+        bandwidth=B,
+        sample_rate=4 / 3 * B,
+        rng=np.random.default_rng(SEED),
+    )
+    estimate = CrossCorrelation(FixedWindow(1, 9)).estimate(pair)
+    assert (estimate.coherence > 1 - 1e-6).mean() < 1e-3
+    error = np.abs(estimate.delay - 0.3 / FC)
+    assert (error <= NORMAL_95 * estimate.delay_std).mean() == pytest.approx(0.95, abs=0.02)
