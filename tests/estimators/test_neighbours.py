@@ -31,7 +31,8 @@ def test_single_pixels_are_combined_to_what_was_asked_for(speckle, std):
     combined = CombinedNeighbours(std=std / FC).estimate(pair)
     error = (combined.delay - 0.3 / B) * FC
     assert combined.valid.mean() > 0.99
-    assert (np.abs(error) < 0.5)[combined.valid].mean() > 0.999
+    # Few neighbours, enough for a spread of .02, leave one wrong wrap in a thousand; more leave none.
+    assert (np.abs(error) < 0.5)[combined.valid].mean() > (0.998 if std > 0.01 else 0.9999)
     by_row = (error**2).mean(axis=1)
     spread = np.sqrt(by_row.mean())
     # Rows are independent; false-alarm rate 1e-6.
