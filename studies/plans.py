@@ -60,7 +60,8 @@ class Plans(Section):
     def table(self, sonar: Sonar) -> pd.DataFrame:
         """Decisions, processor seconds a row and differences with standard errors, a row for each stretch of a scene.
 
-        The seconds count what rows beyond the ends cost. It `agrees` where all differences are within their tolerance.
+        The seconds count what rows beyond the ends cost. It `agrees` where no difference is beyond its
+        tolerance by more than two of its standard errors.
         """
         rng = np.random.default_rng(self.seed)
         rows: list[dict[str, Any]] = []
@@ -80,4 +81,5 @@ def _row(timed: Timed, found: Comparison) -> dict[str, Any]:
         STATISTICS, found.difference, found.error, found.tolerance, strict=True
     ):
         row |= {f"{name}_difference": difference, f"{name}_se": error, f"{name}_tolerance": tolerance}
-    return {**row, "agrees": bool((np.abs(found.difference) <= found.tolerance).all())}
+    beyond = np.abs(found.difference) - found.tolerance
+    return {**row, "agrees": bool((beyond <= 2 * found.error).all())}

@@ -1,10 +1,12 @@
 """The comparison of a shortcut with the full model, by echoes of which the answer is known."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from sim import SONARS, EchoPair, Geometry, Truth
 from studies import shortcut
+from studies.catalogue.scene_plans import answer
 from studies.plans import COLUMNS, Plans
 from studies.swath import Swath
 
@@ -93,3 +95,12 @@ def test_a_table_of_plans():
     for name in shortcut.STATISTICS:
         # Of three clusters at the least: Student's t of two degrees of freedom is within 100 but for 1e-4.
         assert (table[f"{name}_difference"].abs() < 100 * table[f"{name}_se"]).all()
+
+
+def test_the_answer_names_what_is_furthest_off():
+    values = dict.fromkeys(COLUMNS, 1.0) | {"scene": "flat", "delays": "warp", "ratio": 5.2}
+    values |= {
+        f"{name}_{of}": value for name in shortcut.STATISTICS for of, value in (("difference", 0.1), ("se", 0.2))
+    }
+    table = pd.DataFrame([values, values | {"delay_difference": -0.9, "delay_se": 0.3, "delay_tolerance": 3.0}])
+    assert answer(table).startswith("flat: warp, 5.2 times cheaper, off by 0.3 (standard error 0.1), all")
