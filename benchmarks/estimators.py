@@ -123,7 +123,7 @@ def search(primary: Numbers, secondary: Numbers) -> Numbers:
 
     def find(stack: LagStack) -> Peak:
         lag = strongest(power(stack.products))
-        return Peak(lag - LAGS, *(np.broadcast_to(0, lag.shape) for _ in range(3)))
+        return Peak(lag - LAGS, *(np.broadcast_to(0, lag.shape) for _ in range(4)))
 
     return over_times(series, find).delay[0]
 

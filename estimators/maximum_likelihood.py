@@ -52,7 +52,7 @@ class MaximumLikelihood:
 
         def find(stack: LagStack, _: int) -> Peak:
             peak = passband_peak(stack, pair.centre_frequency, pair.bandwidth, search)
-            return peak._replace(doubt=wrap_doubt(stack, peak.delay, looks, pair.centre_frequency, search))
+            return peak._replace(doubt=wrap_doubt(stack, peak.delay, looks, pair.centre_frequency, search, peak.height))
 
         peak = over_lags(pair, window, search, self.lags_per_resolution, 2.0, find)
         # The delay stands as found: at the passband peak the phase of the lag product need not be that of the carrier.

@@ -79,7 +79,8 @@ def search_peaks(
         lags = (np.rint(delay / stack.step).astype(np.intp) + stack.reach - margin for delay in near)
         peak = peak_at(stack, pick(power(stack.products[margin:-margin]), *lags) + margin)
         peak = moved_to(peak, stack, refined_delay(peak, pair.centre_frequency)) if refine else peak
-        return peak._replace(doubt=wrap_doubt(stack, peak.delay, looks, pair.centre_frequency, search))
+        height = peak.height if refine else None
+        return peak._replace(doubt=wrap_doubt(stack, peak.delay, looks, pair.centre_frequency, search, height))
 
     return over_lags(pair, window, search, lags_per_resolution, 0.5, find, *starts)
 

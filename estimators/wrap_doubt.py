@@ -1,19 +1,23 @@
 """How likely a delay lies in a wrong wrap, given the correlation at the rival wraps."""
 
+import math
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from estimators.lag_product import LagStack
 from estimators.peak_kernels import STENCIL
 from estimators.posterior import Looks
 from sim.band import Complex, Real
+from sim.compiled import compiled
 
 NODES = 513
 """Coherences at which the share of a wrap is tabulated, evenly from 0 to 1."""
+
+CARE = 1e-2
+"""Part of the odds that a rival may add without being read with care."""
 
 PARTS = 128
 """Places between two lags at which a product is read; a peak is lower there by less than 1e-5 of its height."""
@@ -32,7 +36,9 @@ def _weights() -> Real:
 _WEIGHTS = _weights()
 
 
-def wrap_doubt(stack: LagStack, delay: Real, looks: Looks, centre_frequency: float, search: float) -> Real:
+def wrap_doubt(
+    stack: LagStack, delay: Real, looks: Looks, centre_frequency: float, search: float, height: Real | None = None
+) -> Real:
     """Probability that a delay is in a wrong wrap, given the windowed lag products about it.
 
     The wraps `m / fc` from it within the search range compete. With the height `c_m` of the passband correlation's peak
@@ -63,6 +69,9 @@ def wrap_doubt(stack: LagStack, delay: Real, looks: Looks, centre_frequency: flo
         `fc` [Hz].
     search
         Largest delay that may be the true one [s].
+    height
+        Normalised height at the delay where that is a peak of the passband correlation; broadcasts likewise. It is read
+        at the nearest such peak if None.
 
     Returns
     -------
@@ -75,9 +84,11 @@ def wrap_doubt(stack: LagStack, delay: Real, looks: Looks, centre_frequency: flo
         return np.full(shape, guess)
     distinct, which = _looks_at(looks, shape[1])
     found: Real = _doubts(
-        *(np.broadcast_to(lags, (len(lags), *shape)) for lags in (stack.products, stack.energies)),
+        np.broadcast_to(stack.products, (len(stack.products), *shape)),
+        np.broadcast_to(stack.energies, (len(stack.energies), *shape)),
         np.ascontiguousarray(np.broadcast_to(delay, shape)) / stack.step,
-        2 * np.pi * centre_frequency * stack.step,
+        None if height is None else np.ascontiguousarray(np.broadcast_to(height, shape)),
+        centre_frequency * stack.step,
         search / stack.step,
         distinct,
         which,
@@ -116,6 +127,8 @@ def sub_band_doubt(low: Complex, high: Complex, energy: Real, delay: Real, spaci
 
 def _looks_at(looks: Looks, times: int) -> tuple[Real, NDArray[np.intp]]:
     """Distinct looks, and which of them stands at each time; a record that is not periodic has been continued."""
+    if np.ndim(looks) == 0:
+        return np.array([looks]), np.zeros(times, dtype=np.intp)
     return np.unique(np.resize(looks, times), return_inverse=True)
 
 
@@ -130,67 +143,110 @@ def _mass_table(looks: float) -> Real:
     return table
 
 
-@njit(cache=True)  # type: ignore[misc,untyped-decorator,unused-ignore]
-def _log_share(height: float, looks: float, table: Any) -> float:
-    """Log of twice M."""
+@compiled
+def _peak_mass(height: float, looks: float, table: Real) -> float:
+    """Log of what the half of a wrap where the cosine is positive adds to twice M, that of the other half being 0."""
     place = height * (NODES - 1)
     node = min(int(place), NODES - 2)
-    log_peak = table[node] + (place - node) * (table[node + 1] - table[node])
-    log_peak -= (looks - 1.5) * np.log1p(-min(height * height, 1 - 1e-15))
-    return float(max(log_peak, 0.0) + np.log1p(np.exp(-abs(log_peak))))
+    log_mean = table[node] + (place - node) * (table[node + 1] - table[node])
+    return float(log_mean - (looks - 1.5) * math.log(1 - min(height * height, 1 - 1e-15)))
 
 
-@njit(cache=True)  # type: ignore[misc,untyped-decorator,unused-ignore]
-def _peak_height(products: Any, energies: Any, row: int, time: int, lag: float, carrier: float) -> float:
+@compiled
+def _log_share(height: float, looks: float, table: Real) -> float:
+    """Log of twice M."""
+    log_peak = _peak_mass(height, looks, table)
+    return float(max(log_peak, 0.0) + math.log1p(math.exp(-abs(log_peak))))
+
+
+@compiled
+def _peak_height(products: Complex, energies: Real, row: int, time: int, lag: float, turns_a_lag: float) -> float:
     """Normalised height of the passband peak next to a lag: there the product has the phase of the carrier.
 
     That phase is read at the nearest whole lag, the height by the polynomial at the place it points to.
     """
     reach = len(products) // 2
     lag = min(max(lag, STENCIL + 0.5 - reach), reach - STENCIL - 0.5)
-    whole = np.rint(lag)
-    turns = (np.angle(products[int(whole) + reach, row, time]) + carrier * whole) / (2 * np.pi)
-    wrap = 2 * np.pi / carrier
-    lag = whole - turns * wrap + np.rint((lag - whole) / wrap + turns) * wrap
-    lag = np.rint(PARTS * min(max(lag, STENCIL + 0.5 - reach), reach - STENCIL - 0.5)) / PARTS
-    nearest = int(np.rint(lag))
+    whole = math.floor(lag + 0.5)
+    product = products[whole + reach, row, time]
+    turns = math.atan2(product.imag, product.real) * (0.5 / np.pi) + turns_a_lag * whole
+    wrap = 1 / turns_a_lag
+    lag = whole + (math.floor((lag - whole) * turns_a_lag + turns + 0.5) - turns) * wrap
+    lag = min(max(lag, STENCIL + 0.5 - reach), reach - STENCIL - 0.5)
+    nearest = math.floor(lag + 0.5)
     place = nearest + reach
-    weights = _WEIGHTS[int(np.rint((lag - nearest + 0.5) * PARTS))]
-    product = 0j
+    weights = _WEIGHTS[math.floor((lag - nearest + 0.5) * PARTS + 0.5)]
+    real = imag = 0.0
     for k in range(2 * STENCIL + 1):
-        product += weights[k] * products[place - STENCIL + k, row, time]
+        product = products[place - STENCIL + k, row, time]
+        real += weights[k] * product.real
+        imag += weights[k] * product.imag
     share = lag - nearest
     here, before, after = energies[place, row, time], energies[place - 1, row, time], energies[place + 1, row, time]
     parabola = here + share / 2 * (after - before + share * (after + before - 2 * here))
     energy = max(parabola, min(here, before, after))
-    return min(abs(product) / energy, 1.0) if energy > 0 else 0.0
+    return min(math.sqrt(real * real + imag * imag) / energy, 1.0) if energy > 0 else 0.0
 
 
-@njit(cache=True)  # type: ignore[misc,untyped-decorator,unused-ignore]
+@compiled
+def _may_exceed(products: Complex, energies: Real, row: int, time: int, lag: float, least: float) -> bool:
+    """Whether the squared height next to a lag may exceed `least`, by a straight line between the two lags around it.
+
+    Between lags a series of at least four samples in `1 / B` is higher by 8 % at the most, `1 / cos(pi / 8)`.
+    """
+    place = min(max(math.floor(lag) + len(products) // 2, 0), len(products) - 2)
+    before, after, energy = products[place, row, time], products[place + 1, row, time], energies[place, row, time]
+    share = lag + len(products) // 2 - place
+    line = (1 - share) * (before.real * before.real + before.imag * before.imag)
+    line += share * (after.real * after.real + after.imag * after.imag)
+    return bool(1.18 * line > least * energy * energy)
+
+
+@compiled
 def _doubts(
-    products: Any, energies: Any, delays: Any, carrier: float, search: float, looks: Any, which: Any, tables: Any
-) -> Any:
-    """Delays and search in lags, the carrier's turn a lag [rad]; looks and tables at each time are those of `which`."""
+    products: Complex,
+    energies: Real,
+    delays: Real,
+    heights: Real | None,
+    turns_a_lag: float,
+    search: float,
+    looks: Real,
+    which: NDArray[np.intp],
+    tables: Real,
+) -> Real:
+    """Delays and search in lags, the carrier's turns a lag; looks and tables at each time are those of `which`.
+
+    Rivals are asked from the nearest on, and with care only where they may add `CARE` of what those before them have.
+    """
     found = np.empty(delays.shape)
-    wrap = 2 * np.pi / carrier
+    wrap = 1 / turns_a_lag
     for row in range(delays.shape[0]):
         for time in range(delays.shape[1]):
             n, table, delay = looks[which[time]], tables[which[time]], delays[row, time]
-            here = _log_share(_peak_height(products, energies, row, time, delay, carrier), n, table)
-            odds = 0.0
-            first = int(np.ceil((-search - delay) / wrap - 0.5))
-            last = int(np.floor((search - delay) / wrap + 0.5))
-            for m in range(first, last + 1):
-                lag = delay + m * wrap
-                share = min((search - abs(lag)) / wrap + 0.5, 1.0)
-                if m != 0 and share > 0:
-                    there = _log_share(_peak_height(products, energies, row, time, lag, carrier), n, table)
-                    odds += share * np.exp(min(there - here, 700.0))
+            if heights is None:
+                height = _peak_height(products, energies, row, time, delay, turns_a_lag)
+            else:
+                height = heights[row, time]
+            here = _log_share(height, n, table)
+            nothing = math.exp(-here)
+            own = min((search - abs(delay)) * turns_a_lag + 0.5, 1.0)
+            # All rivals have the share of no correlation; those that correlate add to it.
+            odds, least = max(2 * search * turns_a_lag - own, 0.0) * nothing, -1.0
+            most = math.floor((search + abs(delay)) * turns_a_lag + 0.5)
+            for away in range(1, most + 1):
+                for side in (-1, 1):
+                    lag = delay + side * away * wrap
+                    share = min((search - abs(lag)) * turns_a_lag + 0.5, 1.0)
+                    if share > 0 and _may_exceed(products, energies, row, time, lag, least):
+                        height = _peak_height(products, energies, row, time, lag, turns_a_lag)
+                        odds += share * math.exp(min(_peak_mass(height, n, table) - here, 700.0))
+                if away == 1 and n > 1.5:
+                    least = 1 - math.exp(min(-(math.log(CARE * odds + 1e-300) + here) / (n - 1.5), 0.0))
             found[row, time] = odds / (1 + odds)
     return found
 
 
-@njit(cache=True)  # type: ignore[misc,untyped-decorator,unused-ignore]
+@compiled
 def _sub_band_doubts(
     low: Any,
     high: Any,

@@ -187,7 +187,7 @@ def pair_of(truth, *, looks=1.0, rows=6, samples=24):
 
 def estimate_of(delay):
     nothing = np.zeros(delay.shape)
-    return DelayEstimate(delay, nothing, nothing, nothing, nothing, nothing, nothing == 0)
+    return DelayEstimate(delay, *[nothing] * 6, nothing == 0)
 
 
 def truth_of(rows=6, samples=24):
