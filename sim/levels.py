@@ -18,7 +18,10 @@ Level = Literal["even", "flat", "local"]
 """Which level echoes have: the same everywhere, that of the flat floor, or that of their own piece of seabed."""
 
 ANGLES = np.linspace(0.0, 90.0, 9001)
-"""Grazing angles at which the strength of a sediment is tabulated [degrees]."""
+"""Grazing angles and depressions at which strengths and beams are tabulated [degrees]."""
+
+SINES = np.sin(np.radians(ANGLES))
+"""Their sines, between which tables are read: a piece of seabed is at once known by that of its angle."""
 
 
 def scatterer_power(
@@ -95,23 +98,22 @@ def level_of_sediment(scene: Scene, sonar: Sonar, profile: Profile, points: Seab
     slant = np.sqrt(ground_range**2 + depth**2)
     along, up = profile.along[points.segment], profile.up[points.segment]
     sine = (along * depth + up * ground_range) / (profile.lengths[points.segment] * slant)
-    grazing = np.degrees(np.arcsin(np.clip(sine, -1.0, 1.0)))
-    strength = _strength(scene.sediment, grazing, sonar, scene.scattering)
+    strength = _strength(scene.sediment, sine, sonar, scene.scattering)
     for patch in scene.patches:
         if patch.is_at(profile.along_track):
             near, far = patch.ground_range
             inside = (ground_range >= near) & (ground_range < far)
-            strength[inside] = _strength(patch.sediment, grazing[inside], sonar, scene.scattering)
+            strength[inside] = _strength(patch.sediment, sine[inside], sonar, scene.scattering)
     area = sonar.aperture.resolution * length
-    power: Real = strength * area * np.interp(np.degrees(np.arctan2(depth, ground_range)), ANGLES, _beams(sonar))
+    power: Real = strength * area * np.interp(depth / slant, SINES, _beams(sonar))
     return power
 
 
-def _strength(sediment: Sediment | str | None, grazing_angle: Real, sonar: Sonar, model: Model) -> Real:
-    """Backscatter per area of pieces of seabed; 0 where they are not lit."""
+def _strength(sediment: Sediment | str | None, sine: Real, sonar: Sonar, model: Model) -> Real:
+    """Backscatter per area of pieces of seabed, from the sine of the grazing angle; 0 where they are not lit."""
     assert isinstance(sediment, Sediment)
     table = _strengths(sediment, sonar.centre_frequency, sonar.sound_speed, model)
-    strength: Real = np.interp(grazing_angle, ANGLES, table)
+    strength: Real = np.interp(sine, SINES, table)
     return strength
 
 

@@ -18,7 +18,7 @@ from sim.snr_profile import SnrProfile
 from sim.sonar import Sonar
 from sim.streams import Streams, Use
 from sim.targets import add_targets
-from sim.truth import stacked, truth
+from sim.truth import stacked, truth, truth_in_order
 from sim.warp import warped_series
 
 BATCH = 16
@@ -161,7 +161,8 @@ def _block(listening: Listening, numbers: range, streams: Streams) -> EchoPair:
         heard = heard_at(profile, listening.sonar, plan.grid.times, listening.sonar.altitude, shadow=plan.shadow)
         series[0, inside], series[1, inside] = _received(listening, profile, heard, some, streams)
         if some.start in numbers or (plan.sections == "one" and not truths):
-            truths.append(truth(profile, listening.geometry, plan.grid.times, heard))
+            found = truth_in_order if plan.delays == "warp" and not plan.shadow else truth
+            truths.append(found(profile, listening.geometry, plan.grid.times, heard))
     primary, secondary = (plan.along_track.gather(channel) for channel in series)
     add_targets(primary, secondary, listening, numbers)
     return EchoPair(

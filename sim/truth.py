@@ -50,6 +50,31 @@ def truth(profile: Profile, geometry: Geometry, times: Real, primary: Heard | No
     )
 
 
+def truth_in_order(profile: Profile, geometry: Geometry, times: Real, primary: Heard) -> Truth:
+    """What `truth` finds of a section of which no part hides another, and one is heard after the other.
+
+    Shadow is then only before its first and after its last echo at either receiver.
+
+    Parameters
+    ----------
+    profile, geometry, times, primary
+        As for `truth`.
+    """
+    sonar = geometry.sonar
+    ends = profile.ground_range[[0, -1]], profile.height[[0, -1]]
+    first, last = travel_times(sonar, *ends)[1]
+    above = times + plane_delay(sonar, times)
+    shadow = (above < first) | (above >= last)
+    delay, height = np.full((2, len(times)), np.nan)
+    delay[primary.sample] = geometry.registered_delay(*travel_times(sonar, primary.ground_range, primary.height))
+    height[primary.sample] = primary.height
+    shadow |= np.isnan(delay)
+    # Where the secondary hears nothing, the branch stays.
+    branches = delay[None].copy()
+    delay[shadow] = height[shadow] = np.nan
+    return Truth(delay=delay, height=height, shadow=shadow, layover=np.zeros_like(shadow), branches=branches)
+
+
 def _branches(heard: Heard, delay: Real, times: int) -> Real:
     """Delays of all parts, in as few rows as keep stretches apart; shape (branch, time)."""
     rows: NDArray[np.int64] = np.zeros(int(heard.stretch.max(initial=0)) + 1, dtype=np.int64)

@@ -3,14 +3,15 @@
 import numpy as np
 import pytest
 from heard_twin import heard_at as twin
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from sim import SONARS, Geometry, Roughness, Scene, TrawlMark
+from sim import SONARS, Geometry, Roughness, Scene, TrawlMark, plan
 from sim.geometry import travel_times
 from sim.heard import heard_at
+from sim.plan import survey
 from sim.profile import Profile
-from sim.truth import truth
+from sim.truth import truth, truth_in_order
 
 SONAR = SONARS["hisas-100khz"]
 
@@ -77,3 +78,16 @@ def test_branches_of_a_rough_seabed_take_few_rows_and_hold_every_part():
         # All that the primary hears and the secondary sees.
         assert np.isin(np.round(held[np.isfinite(held)] * 1e12), np.round(delays[heard.sample == sample] * 1e12)).all()
     assert np.isfinite(found.branches).sum() == pytest.approx(len(delays), rel=0.02)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(-80.0, 80.0), st.floats(0.01, 0.3), st.floats(-20.0, 20.0))
+def test_the_truth_of_a_gentle_section_is_that_of_any(direction, depth, along_track):
+    scene = Scene((20.0, 60.0), (TrawlMark(40.0, direction, depth), Roughness(0.003, 3, period=12.8, spacing=0.4)))
+    profile, geometry = scene.profile(along_track), Geometry(SONAR, 0.0)
+    times = np.linspace(0.02, 0.1, 1700)
+    assume(not plan(scene, SONAR, rows=1).shadow and not survey(scene, SONAR, [along_track], None).shadow)
+    found = truth_in_order(profile, geometry, times, heard_at(profile, SONAR, times, SONAR.altitude, shadow=False))
+    expected = truth(profile, geometry, times)
+    for name in ("delay", "height", "shadow", "layover", "branches"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(expected, name), err_msg=name)
