@@ -62,7 +62,7 @@ def cases():
         yield pytest.param(estimator, bound, id=name, marks=marks)
 
 
-@pytest.mark.parametrize(("estimator", "bound"), cases())
+@pytest.mark.parametrize(("estimator", "bound"), list(cases()))
 def test_bias_against_fractional_delay(estimator, bound):
     # Those that start from zero lag have an error of their own.
     trials = {SplitSpectrum: 15_000, MultiChromatic: 4_000}.get(type(estimator), 500)
