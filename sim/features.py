@@ -1,6 +1,7 @@
 """What shapes a seabed: boxes, wedges, slopes, steps and furrows, whose heights add up."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -248,13 +249,22 @@ class TrawlMark:
 
     def outline(self, along_track: float, ground_range: tuple[float, float]) -> Outline:
         """Its section at a place along track: `u = (y - y0) cos(direction) - x sin(direction)`."""
-        across, along = np.cos(np.radians(self.direction)), np.sin(np.radians(self.direction))
-        share = np.linspace(-0.5, 0.5, FURROW_SEGMENTS + 1)
+        across, along = self._axis
         if abs(self.direction) == 90:
             inside = np.clip(along_track * along / self.width, -0.5, 0.5)
             return np.zeros(1), self._section(np.array([inside]))
-        corners = self.ground_range + (share * self.width + along_track * along) / across
-        return corners, self._section(share)
+        share, heights = self._corners
+        return self.ground_range + (share * self.width + along_track * along) / across, heights
+
+    @cached_property
+    def _axis(self) -> tuple[float, float]:
+        return float(np.cos(np.radians(self.direction))), float(np.sin(np.radians(self.direction)))
+
+    @cached_property
+    def _corners(self) -> tuple[Real, Real]:
+        """Places across, in widths from the axis, and heights there."""
+        share = np.linspace(-0.5, 0.5, FURROW_SEGMENTS + 1)
+        return share, self._section(share)
 
     def _section(self, share: Real) -> Real:
         section: Real = -self.depth * np.cos(np.pi * share) ** 2

@@ -80,7 +80,7 @@ class Plan:
         uneven by .39, .16, .058, .021 and .007 with 1, 2, 4, 8 and 16.
     accuracy
         Relative accuracy asked of the non-uniform transforms, 1e-14 to 1e-2. Against 1e-14 the series of a furrowed
-        floor are off by 5e-13 and 7e-13 (primary, secondary) at 1e-12, 1.0e-8 and 1.5e-8 at 2e-8, 5e-7 and 7e-7 at
+        floor are off by 5e-13 and 7e-13 (primary, secondary) at 1e-12, 1.0e-7 and 1.5e-7 at 2e-7, 5e-7 and 7e-7 at
         1e-6, 4e-5 and 6e-5 at 1e-4, 3e-3 and 5e-3 at 1e-2, as root mean square over root mean square.
     single
         Whether series come as complex64, half as large and off by 2.5e-8. They are computed in double precision:
@@ -270,7 +270,7 @@ def _required(
         ),
         "level": ("even", "no sediment") if scene.sediment is None else ("local", "sediment and local grazing angle"),
         "scatterers_per_resolution": (dense, f"mean power even within {0.46 * dense**-1.5:.2g}"),
-        "accuracy": (1e-6 * tolerance, "below the tolerance where it is 120 dB darker than the mean"),
+        "accuracy": (1e-5 * tolerance, "below the tolerance where it is 100 dB darker than the mean"),
         "single": (False, "half the memory, and errors of 2.5e-8, only if asked for"),
         "grid": (time_grid(scene, sonar, rate), f"{rate / sonar.bandwidth:.3g} samples in 1 / B"),
     }
