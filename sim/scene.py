@@ -146,7 +146,7 @@ class Scene:
         """Its section at a place along track [m]."""
         near, far = self.ground_range
         outlines = [feature.outline(along_track, self.ground_range) for feature in self.features]
-        corners = [np.array([near, far]), *(ground_range for ground_range, _ in outlines)]
+        corners = [np.array([near, far], dtype=float), *(ground_range for ground_range, _ in outlines)]
         walls = [ground_range[1:][np.diff(ground_range) == 0] for ground_range, _ in outlines]
         once = np.unique(np.clip(np.concatenate(corners), near, far))
         twice = np.unique(np.concatenate([once[:0], *walls]))

@@ -127,3 +127,12 @@ def test_heights_bound_every_section():
         height = scene.profile(along_track).height
         assert low <= height.min()
         assert height.max() <= high
+
+
+def test_whole_numbers_are_as_good_as_others():
+    whole = Scene((20, 80), (Box(30, 5, 2), Slope(40, 10, 1), Step(60, 1)))
+    real = Scene((20.0, 80.0), (Box(30.0, 5.0, 2.0), Slope(40.0, 10.0, 1.0), Step(60.0, 1.0)))
+    for part in ("ground_range", "height"):
+        found = getattr(whole.profile(), part)
+        assert found.dtype == np.float64
+        np.testing.assert_array_equal(found, getattr(real.profile(), part))
