@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from sim import SONARS, Geometry, Roughness, Scene, TrawlMark, plan
 from sim.geometry import travel_times
 from sim.heard import heard_at
-from sim.plan import survey
 from sim.profile import Profile
+from sim.survey import survey
 from sim.truth import truth, truth_in_order
 
 SONAR = SONARS["hisas-100khz"]

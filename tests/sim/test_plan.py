@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim import SONARS, Box, PointTarget, Roughness, Scene, Slope, Step, TrawlMark, Wedge, plan, simulate
-from sim.plan import survey
+from sim.survey import survey
 
 NEAR, FAR = SONARS["hisas-100khz"], SONARS["hisas-1032"]
 
@@ -100,6 +100,9 @@ def test_costs_grow_with_the_rows():
         ({"scatterers_per_resolution": 0.5}, "scatterers_per_resolution is 0.5; it must be at least 1"),
         ({"accuracy": 0.1}, "accuracy is 0.1; it must lie between 1e-14 and 0.01"),
         ({"tolerance": 0}, "tolerance is 0; it must lie between 1e-06 and 0.5"),
+        ({"shadow": "no"}, "shadow is 'no'; it must be of type bool"),
+        ({"grid": 3}, "grid is 3; it must be of type TimeGrid"),
+        ({"along_track": 0.02}, "along_track is 0.02; it must be of type AlongTrack"),
         ({"rows": 0}, "rows is 0; it must be a whole number of at least 1"),
         ({"row_spacing": -1}, "row_spacing is -1 m; it must be above 0 m"),
     ],
