@@ -8,6 +8,7 @@ from sim.geometry import travel_times
 from sim.levels import scatterer_power
 from sim.listening import Listening
 from sim.profile import Profile, SeabedPoints
+from sim.sonar import Sonar
 from sim.streams import Streams, Use
 from sim.texture import scattered, texture_shape
 from sim.visibility import sees
@@ -99,10 +100,23 @@ def scatterer_spectra(listening: Listening, profile: Profile, rows: range, strea
     power = scatterer_power(scene, sonar, profile, points, length, plan.level)
     amplitudes = streams.gaussian(Use.SPECKLE, rows, len(length)) * np.sqrt(power)
     if np.isfinite(scene.speckle_shape):
-        in_range = scattered(plan.scatterers_per_resolution)
+        in_range = scattered(_heard_together(profile, points, length, sonar))
         shape = texture_shape(scene.speckle_shape, in_range, plan.along_track)
         amplitudes *= np.sqrt(streams.texture(rows, len(length), shape))
     primary = echo_spectrum(listening.band, sonar.centre_frequency, times[0], amplitudes, plan.accuracy)
     if plan.shadow:
         amplitudes *= sees(profile, points, sonar.altitude + sonar.baseline)
     return primary, echo_spectrum(listening.band, sonar.centre_frequency, times[1], amplitudes, plan.accuracy)
+
+
+def _heard_together(profile: Profile, points: SeabedPoints, length: Real, sonar: Sonar) -> Real:
+    """Scatterers within `c / (2 B)` of slant range around each, along its own piece of seabed.
+
+    Where the piece faces the sonar, `dr / dl` is that of the end of what is heard within `c / (4 B)`, in the mean.
+    """
+    slant = travel_times(sonar, *profile.position(points))[0] * sonar.sound_speed / 2
+    closing = np.abs(profile.closing(points, sonar.altitude))
+    together: Real = sonar.range_resolution / (
+        length * np.maximum(closing, np.sqrt(sonar.range_resolution / (8 * slant)))
+    )
+    return together

@@ -59,3 +59,13 @@ class Profile:
             self.ground_range[segment] + share * self.along[segment],
             self.height[segment] + share * self.up[segment],
         )
+
+    def closing(self, points: SeabedPoints, altitude: float) -> Real:
+        """Growth of the slant range from ground range 0 at an altitude [m] along the outline, `dr / dl`, -1 to 1."""
+        ground_range, height = self.position(points)
+        depth = altitude - height
+        along, up = self.along[points.segment], self.up[points.segment]
+        growth: Real = (along * ground_range - up * depth) / (
+            self.lengths[points.segment] * np.sqrt(ground_range**2 + depth**2)
+        )
+        return growth

@@ -5,7 +5,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from sim.band import Complex, circular_gaussian
+from sim.band import Complex, Real, circular_gaussian
 
 
 class Use(IntEnum):
@@ -39,6 +39,6 @@ class Streams:
             place[:] = circular_gaussian((count,), self.of(use, row))
         return numbers
 
-    def texture(self, rows: range, count: int, shape: float) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
-        """Gamma-distributed powers of unit mean and a shape, shape (rows, count)."""
+    def texture(self, rows: range, count: int, shape: float | Real) -> Real:
+        """Gamma-distributed powers of unit mean and a shape, a number or one for each; shape (rows, count)."""
         return np.array([self.of(Use.TEXTURE, row).gamma(shape, 1 / shape, count) for row in rows])

@@ -3,12 +3,13 @@
 import numpy as np
 
 from sim.along_track import AlongTrack
+from sim.band import Real
 
 TAIL = 64
 """Resolutions to either side over which the point response is summed; what lies beyond is 1e-7 of the sum."""
 
 
-def texture_shape(speckle_shape: float, in_range: float, along_track: AlongTrack) -> float:
+def texture_shape(speckle_shape: float, in_range: float | Real, along_track: AlongTrack) -> float | Real:
     """Shape of the gamma distribution of scatterer powers that gives an image the second moment of a K distribution.
 
     A pixel sums scatterers of mean power 1 with the squared weights `g` of the point response. Given the powers `W` it
@@ -22,7 +23,7 @@ def texture_shape(speckle_shape: float, in_range: float, along_track: AlongTrack
     speckle_shape
         `nu` of the image, above 0.
     in_range
-        `c` of the point response in range (`scattered`, `sampled`).
+        `c` of the point response in range (`scattered`, `sampled`); a number, or one for each scatterer.
     along_track
         Rows that share scatterers, whose weights give the other factor of `c`.
     """
@@ -30,8 +31,8 @@ def texture_shape(speckle_shape: float, in_range: float, along_track: AlongTrack
     return speckle_shape * in_range * float((squares**2).sum())
 
 
-def scattered(per_resolution: float) -> float:
-    """`c` of the range response `g = sinc^2` for scatterers at random places, so many in a resolution: `2 / (3 n)`."""
+def scattered(per_resolution: float | Real) -> float | Real:
+    """`c` of the range response `g = sinc^2` for scatterers at random places, `n` in a resolution: `2 / (3 n)`."""
     return 2 / (3 * per_resolution)
 
 

@@ -58,7 +58,8 @@ def warped_series(
     primary = np.take(spectrum, band.harmonics, axis=-1) * (np.sqrt(band.weights) / band.weights.sum())
 
     left = listening.geometry.registered_delay(*travel_times(sonar, heard.ground_range, heard.height))
-    delay = np.interp(grid.times, grid.times[heard.sample] + left, left)
+    # A scene shorter than a sample may lie between two.
+    delay = np.interp(grid.times, grid.times[heard.sample] + left, left) if left.size else np.zeros(grid.samples)
     if not plan.baseline:
         return band.series(primary), Resampling(band, sonar.centre_frequency, delay, plan.accuracy).series(primary)
     wide = Band(grid, grid.sample_rate)
@@ -79,12 +80,7 @@ def _passed(series: Complex, listening: Listening) -> Complex:
 def _amplitude(listening: Listening, profile: Profile, heard: Heard) -> Real:
     """Amplitude of the scatterer at every sample, for the length of seabed that is heard within a sample."""
     sonar, grid = listening.sonar, listening.plan.grid
-    along, up = profile.along[heard.points.segment], profile.up[heard.points.segment]
-    depth = sonar.altitude - heard.height
-    slant, segment_length = grid.times[heard.sample] * (sonar.sound_speed / 2), profile.lengths[heard.points.segment]
-    # dr/dl, along the seabed.
-    closing = (along * heard.ground_range - up * depth) / (segment_length * slant)
-    length = sonar.sound_speed / (2 * grid.sample_rate) / np.abs(closing)
+    length = sonar.sound_speed / (2 * grid.sample_rate) / np.abs(profile.closing(heard.points, sonar.altitude))
     amplitude = np.zeros(grid.samples)
     power = scatterer_power(listening.scene, sonar, profile, heard.points, length, listening.plan.level)
     amplitude[heard.sample] = np.sqrt(power)
