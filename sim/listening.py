@@ -56,11 +56,17 @@ class Listening:
         if self.scene.sediment is not None:
             return range_gain(self.sonar, self.plan.grid.times)
         if isinstance(self.snr, SnrProfile):
-            slant = self.plan.grid.times * self.sonar.sound_speed / 2
-            ground_range = np.sqrt(np.maximum(slant**2 - self.sonar.altitude**2, 0.0))
-            gain: Real = 10 ** (self.snr.at(ground_range) / 20)
-            return gain
+            return self.floor(self.plan.grid.times)
         return np.ones(1)
+
+    def floor(self, time: Real) -> Real:
+        """Amplitude of the flat floor that a profile says at times at the primary [s], of their shape; 1 without."""
+        if not isinstance(self.snr, SnrProfile):
+            return np.ones(np.shape(time))
+        slant = time * self.sonar.sound_speed / 2
+        ground_range = np.sqrt(np.maximum(slant**2 - self.sonar.altitude**2, 0.0))
+        amplitude: Real = 10 ** (self.snr.at(ground_range) / 20)
+        return amplitude
 
     @property
     def noise(self) -> float:

@@ -19,10 +19,11 @@ def add_targets(primary: Complex, secondary: Complex, listening: Listening, rows
     for target in listening.scene.targets:
         away = (np.array(rows) * along_track.spacing - target.along_track) / along_track.resolution
         near = np.flatnonzero(np.abs(away) < REACH)
-        amplitudes: Complex = 10 ** (target.level / 20) * np.sinc(away[near])[:, None].astype(np.complex128)
-        spectra = [
-            echo_spectrum(band, sonar.centre_frequency, arrival, amplitudes)
-            for arrival in travel_times(sonar, [target.ground_range], target.height)
-        ]
+        if not near.size:
+            continue
+        arrivals = travel_times(sonar, [target.ground_range], target.height)
+        level = 10 ** (target.level / 20) * listening.floor(arrivals[0])
+        amplitudes: Complex = (level * np.sinc(away[near])[:, None]).astype(np.complex128)
+        spectra = [echo_spectrum(band, sonar.centre_frequency, arrival, amplitudes) for arrival in arrivals]
         primary[near] += band.series(spectra[0])
         secondary[near] += listening.registration.series(spectra[1])

@@ -13,7 +13,7 @@ GUARD = 64
 
 
 def time_grid(scene: Scene, sonar: Sonar, sample_rate: float) -> TimeGrid:
-    """The circular grid that holds all echoes of a scene at both receivers, with a guard on either side.
+    """The circular grid that holds all echoes of a scene at both receivers, targets too, with a guard on either side.
 
     Its length is rounded up to one that the FFT likes, and its period follows.
 
@@ -26,9 +26,9 @@ def time_grid(scene: Scene, sonar: Sonar, sample_rate: float) -> TimeGrid:
     """
     lowest, highest = scene.heights
     near, far = scene.ground_range
-    first, _ = travel_times(sonar, near, highest)
-    _, last = travel_times(sonar, far, lowest)
+    places = [(near, highest), (far, lowest), *((target.ground_range, target.height) for target in scene.targets)]
+    first, last = travel_times(sonar, *np.array(places).T)
     guard = GUARD / sonar.bandwidth
-    start = max(float(first) - guard, 0.0)
-    samples = scipy.fft.next_fast_len(int(np.ceil((float(last) + guard - start) * sample_rate)))
+    start = max(float(first.min()) - guard, 0.0)
+    samples = scipy.fft.next_fast_len(int(np.ceil((float(last.max()) + guard - start) * sample_rate)))
     return TimeGrid(samples, sample_rate, start)

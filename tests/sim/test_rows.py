@@ -52,6 +52,24 @@ def test_blocks_are_the_scene_to_the_last_bit(name, block, jobs):
             np.testing.assert_array_equal(joined, getattr(whole.truth, part))
 
 
+def test_a_target_beyond_the_rows_of_a_block_adds_nothing_to_it():
+    scene = Scene((20.0, 21.0), targets=(PointTarget(20.5, level=40.0, along_track=1.0),))
+    dark, lit = (
+        list(echo_blocks(one, COARSE, rng=np.random.default_rng(5), rows=40, block=10))
+        for one in (replace(scene, targets=()), scene)
+    )
+    differs = [bool((one.primary != other.primary).any()) for one, other in zip(dark, lit, strict=True)]
+    # Of rows .1 m apart the target reaches those within 12 resolutions, 1.2 m, of its place at 1 m.
+    assert differs == [True, True, True, False]
+
+
+def test_a_scene_between_two_samples_is_silent():
+    pair = simulate(Scene((30.0, 30.0001)), SONAR, rng=np.random.default_rng(1))
+    assert not pair.primary.any()
+    assert not pair.secondary.any()
+    assert pair.truth.shadow.all()
+
+
 def test_rows_a_resolution_apart_are_independent_and_not_filtered():
     rows = AlongTrack(0.1, 0.1)
     assert rows.halo == 0

@@ -141,6 +141,23 @@ def test_speckle_has_the_second_moment_of_a_k_distribution(shape, delays, spacin
     assert ratios.mean() == pytest.approx(2 * (1 + 1 / shape), abs=5 * error)
 
 
+@pytest.mark.parametrize("delays", ["scatterers", "warp"])
+def test_speckle_close_below_the_sonar_has_the_second_moment_too(delays):
+    """At 10 m of ground range from 15 m, where a resolution of slant range covers 1.8 times as much ground.
+
+    With the texture of as many scatterers as lie in a resolution of ground the shape would be 3.6, the moment 2.55.
+    """
+    scene = Scene((9.0, 11.0), speckle_shape=2.0)
+    made = plan(scene, NEAR, delays=delays)
+    pair = simulate(scene, NEAR, rng=np.random.default_rng(14), rows=2000, required=made)
+    ground_range = np.sqrt(np.maximum((pair.grid.times * 750.0) ** 2 - 15.0**2, 0))
+    intensity = np.abs(pair.primary[:, (ground_range > 9.4) & (ground_range < 10.6)]) ** 2
+    ratios = (intensity.reshape(40, -1) ** 2).mean(axis=1) / intensity.mean() ** 2
+    error = ratios.std(ddof=1) / np.sqrt(len(ratios))
+    assert 5 * error < 3.0 - 2.55
+    assert ratios.mean() == pytest.approx(3.0, abs=5 * error)
+
+
 def test_a_patch_of_sediment_is_as_bright_as_a_scene_of_it():
     patch = SedimentPatch((150.0, 250.0), SEDIMENTS["rock"])
     pair, whole = (
@@ -176,6 +193,28 @@ def test_a_point_target_stands_where_it_is_and_is_as_bright_as_given():
     phase = np.angle(np.sum(primary[6].conj() * secondary[6]))
     delay = pair.geometry.registered_delay(arrival, above)
     assert np.exp(1j * phase) == pytest.approx(np.exp(-2j * np.pi * 1e5 * delay), abs=0.02)
+
+
+@pytest.mark.parametrize("height", [10.0, -10.0])
+def test_a_target_heard_before_or_after_the_floor_stands_where_it_is(height):
+    scene = Scene((30.0, 32.0), targets=(PointTarget(31.0, height=height),))
+    pair = simulate(scene, NEAR, rng=np.random.default_rng(15), row_spacing=1.0)
+    quiet = simulate(replace(scene, targets=()), NEAR, rng=np.random.default_rng(15), row_spacing=1.0)
+    assert quiet.grid.period < pair.grid.period
+    slant = pair.grid.times[np.abs(pair.primary[0]).argmax()] * 750.0
+    assert slant == pytest.approx(np.hypot(31.0, 15.0 - height), abs=0.5 * 750.0 / pair.sample_rate)
+
+
+def test_the_level_of_a_target_is_over_the_floor_of_a_profile():
+    """At -10 dB of floor over noise, 40 dB over the floor are 30 dB over the noise."""
+    scene = Scene((40.0, 60.0), targets=(PointTarget(50.0, level=40.0),))
+    profile = SnrProfile((40.0,), (-10.0,))
+    lit, dark = (
+        simulate(one, NEAR, rng=np.random.default_rng(16), snr=profile).primary[0]
+        for one in (scene, replace(scene, targets=()))
+    )
+    # Of a band-limited pulse of unit peak the samples' squares add up to `fs / B`, here 4/3.
+    assert np.sum(np.abs(lit - dark) ** 2) == pytest.approx(10**3 * 4 / 3, rel=0.01)
 
 
 MARKS = Scene((42.0, 400.0), (TrawlMark(90.0, 20.0, 0.15), TrawlMark(180.0, -40.0, 0.2)), sediment="coarse sand")
