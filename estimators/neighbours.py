@@ -7,7 +7,8 @@ import numpy as np
 
 from estimators.estimate import DelayEstimate, Estimator
 from estimators.phase_slope import FullBandPhaseSlope
-from estimators.windows import FixedWindow
+from estimators.posterior import Looks
+from estimators.windows import FixedWindow, WindowPolicy
 from sim import EchoPair, checks
 from sim.band import Real
 
@@ -35,7 +36,8 @@ class CombinedNeighbours:
     Parameters
     ----------
     estimator
-        What is combined: any estimator; the refined phase slope of single pixels by default.
+        What is combined: any estimator; the refined phase slope of single pixels by default. One without an attribute
+        `window` is taken to be of single pixels.
     std
         Requested standard deviation of the delay while the wraps are right [s].
     windows
@@ -48,6 +50,8 @@ class CombinedNeighbours:
 
     def __post_init__(self) -> None:
         checks.positive("std", self.std, "s")
+        if not self.windows:
+            raise ValueError("windows are empty; there must be one or more")
         if not isinstance(self.estimator, Estimator):
             raise ValueError(f"estimator is {self.estimator!r}; it must have a method estimate(pair)")
 
@@ -55,7 +59,7 @@ class CombinedNeighbours:
         """Estimate the delay at every sample; ValueError where the pair does not hold the smallest window."""
         single = self.estimator.estimate(pair)
         own = getattr(self.estimator, "window", None)
-        looks = own.looks(pair) if isinstance(own, FixedWindow) else 1.0
+        looks = own.on(pair).looks(pair) if isinstance(own, WindowPolicy) else 1.0
         fits = [w for w in self.windows if w.rows <= pair.shape[0] and w.samples <= pair.shape[1]] or self.windows[:1]
         combined = _combined(pair, single, fits[0], looks)
         for window in fits[1:]:
@@ -69,7 +73,7 @@ class CombinedNeighbours:
         return DelayEstimate(**combined, phase=phase, valid=valid & (combined["delay_std"] <= self.std))
 
 
-def _combined(pair: EchoPair, single: DelayEstimate, window: FixedWindow, looks: float) -> dict[str, Real]:
+def _combined(pair: EchoPair, single: DelayEstimate, window: FixedWindow, looks: Looks) -> dict[str, Real]:
     """Weighted means over a window, and whether it lies within the pair and holds anything valid."""
     window.check(pair)
     wrap = 1 / pair.centre_frequency
@@ -77,15 +81,16 @@ def _combined(pair: EchoPair, single: DelayEstimate, window: FixedWindow, looks:
     # In wraps, and none so sure that all others are lost in rounding.
     variance = np.maximum(np.where(known, single.delay_std, wrap) / wrap, 1e-6) ** 2
     trust = np.where(known, np.clip(1 - single.wrap_error_probability, 0.0, 1.0), 0.0)
-    weight = trust / variance if looks < 2 else trust
+    single_pixels = bool(np.max(looks) < 2)
+    weight = trust / variance if single_pixels else trust
     total = window.sum(weight)
 
     def mean(of: Real) -> Real:
         summed = window.sum(weight * np.where(known, of, 0.0))
         return np.broadcast_to(np.divide(summed, total, out=np.zeros_like(total), where=total > 0), pair.shape)
 
-    independent = max(window.looks(pair) / looks, 1.0)
-    if looks < 2:
+    independent = np.maximum(window.looks(pair) / looks, 1.0)
+    if single_pixels:
         pixels = window.rows * window.samples
         claimed = np.divide(pixels, total, out=np.full_like(total, 1 / 12), where=total > 0)
     else:

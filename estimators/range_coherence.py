@@ -103,8 +103,10 @@ class KnownCoherence:
         if bad.any():
             raise ValueError(f"coherence is {coherence[bad][0]:g}; it must lie between 0 and 1")
         checks.finite_samples("ground_range", ground)
-        if (np.diff(ground) <= 0).any():
-            raise ValueError(f"ground_range is {ground}; it must rise")
+        falls = np.flatnonzero(np.diff(ground) <= 0)
+        if falls.size:
+            before, after = ground[falls[0] : falls[0] + 2]
+            raise ValueError(f"ground_range has {after:g} m behind {before:g} m; it must rise")
 
     def over_time(self, pair: EchoPair, geometry: Geometry) -> Real:
         """Coherence of a pair at each time, shape (time,)."""

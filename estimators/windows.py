@@ -114,8 +114,10 @@ class VaryingWindow:
         for name in ("rows", "samples"):
             sizes = np.asarray(getattr(self, name))
             if sizes.ndim != 1 or sizes.dtype.kind not in "iu" or sizes.size == 0 or sizes.min() < 1:
+                least = f", {sizes.min():g} at the least" if sizes.size and sizes.dtype.kind in "iuf" else ""
                 raise ValueError(
-                    f"{name} of the window are {sizes}; they must be whole numbers of at least 1, one for each time"
+                    f"{name} of the window are {sizes.dtype} of shape {sizes.shape}{least}; "
+                    "they must be whole numbers of at least 1, one for each time"
                 )
             object.__setattr__(self, name, sizes.astype(np.int64))
         if self.rows.shape != self.samples.shape:

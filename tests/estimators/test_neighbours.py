@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 
-from estimators import CombinedNeighbours, CrossCorrelation, FixedWindow, FullBandPhaseSlope, bounds, conformance
+from estimators import (
+    CombinedNeighbours,
+    CrossCorrelation,
+    FixedWindow,
+    FullBandPhaseSlope,
+    VaryingWindow,
+    bounds,
+    conformance,
+)
 from sim import speckle_pair
 
 FC, B = 100e3, 30e3
@@ -67,8 +75,22 @@ def test_it_does_what_every_estimator_must(estimator):
     assert conformance.findings(estimator) == []
 
 
+def test_neighbours_of_windows_that_vary_claim_no_more_than_of_fixed_ones(speckle):
+    """Windows of 9 x 9 at every time, said either way, are the same windows."""
+    pair, _ = speckle
+    fixed = FixedWindow(9, 9)
+    sizes = np.full(pair.shape[1], 9)
+    one, other = (
+        CombinedNeighbours(CrossCorrelation(window), std=1e-4 / FC, windows=(fixed,)).estimate(pair)
+        for window in (fixed, VaryingWindow(sizes, sizes))
+    )
+    np.testing.assert_allclose(other.delay_std, one.delay_std, rtol=1e-9)
+
+
 def test_combinations_that_cannot_be():
     with pytest.raises(ValueError, match=r"^std is 0 s; it must be above 0 s$"):
         CombinedNeighbours(std=0.0)
     with pytest.raises(ValueError, match=r"^estimator is 3; it must have a method estimate\(pair\)$"):
         CombinedNeighbours(3)
+    with pytest.raises(ValueError, match=r"^windows are empty; there must be one or more$"):
+        CombinedNeighbours(windows=())

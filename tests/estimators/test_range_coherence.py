@@ -85,3 +85,8 @@ def test_coherence_from_a_curve_and_from_the_sonar_equation():
     np.testing.assert_allclose(curve, np.clip(0.9 - 0.02 * (ground - 110.0), 0.5, 0.9), rtol=1e-12)
     of_silt = ModelledCoherence("silt").over_time(pair, pair.geometry)
     np.testing.assert_allclose(of_silt, expected_coherence(SONAR, "silt", ground))
+
+
+def test_a_curve_that_falls_back_is_refused_in_one_line():
+    with pytest.raises(ValueError, match=r"^ground_range has 0 m behind 0 m; it must rise$"):
+        KnownCoherence(np.zeros(50), np.zeros(50))

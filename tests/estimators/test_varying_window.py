@@ -146,10 +146,10 @@ def test_two_windows_that_both_vary(make_patch):
 @pytest.mark.parametrize(
     ("build", "message"),
     [
-        (lambda: VaryingWindow([0, 3], [3, 3]), r"rows of the window are \[0 3\]; they must be whole numbers of at .*"),
+        (lambda: VaryingWindow([0, 3], [3, 3]), r"rows of the window are int64 of .*, 0 at the least; they must be .*"),
         (
             lambda: VaryingWindow([1, 3], [3.0, 3.0]),
-            r"samples of the window are \[3. 3.\]; they must be whole numbers .*",
+            r"samples of the window are float64 of shape \(2,\), .*; they must be whole numbers .*",
         ),
         (lambda: VaryingWindow([1, 3], [3]), "the window has sizes for 2 and 1 times; it must be as many"),
     ],
@@ -169,3 +169,9 @@ def test_windows_that_cannot_be(build, message):
 def test_windows_that_do_not_fit_the_pair(make_patch, window, message):
     with pytest.raises(ValueError, match=f"^{message}$"):
         Interferogram(window).estimate(replace(make_patch(5, TIMES), truth=None))
+
+
+def test_sizes_that_cannot_be_are_refused_in_one_line():
+    message = r"^rows of the window are int64 of shape \(100,\), 0 at the least; they must be whole numbers of at .*$"
+    with pytest.raises(ValueError, match=message):
+        VaryingWindow(np.zeros(100, int), np.ones(100, int))
