@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from estimators.estimate import DelayEstimate
-from estimators.lag_product import LagStack, power
+from estimators.lag_product import LagStack, power, scale_of
 from estimators.peak import Peak, moved_to
 from estimators.search import over_lags, read_at
 from estimators.windows import FixedWindow
@@ -25,7 +25,10 @@ Metric = Callable[[EchoPair, DelayEstimate, FixedWindow], Real]
 
 def brightness(pair: EchoPair, estimate: DelayEstimate, window: FixedWindow) -> Real:
     """`I / (I + mean I)` of the power `I` of both series in the window: dark pixels have the most wrong wraps."""
-    intensity = np.sqrt(window.sum(power(pair.primary)) * window.sum(power(pair.secondary)))
+    # A scale of its own for either series, which the share does not show, lets powers neither overflow nor vanish.
+    scaled = (np.asarray(x * scale_of(x), dtype=np.complex128) for x in (pair.primary, pair.secondary))
+    primary, secondary = (window.sum(power(series)) for series in scaled)
+    intensity = np.sqrt(primary) * np.sqrt(secondary)
     mean = float(intensity.mean())
     share = intensity / (intensity + mean) if mean > 0 else np.zeros_like(intensity)
     return np.broadcast_to(share, pair.shape)

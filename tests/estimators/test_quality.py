@@ -73,6 +73,14 @@ def test_silence_has_no_quality_that_is_no_number(metric):
     assert np.isfinite(metric(silent, CrossCorrelation(NINE).estimate(silent), NINE)).all()
 
 
+@pytest.mark.parametrize("gain", [1e-155, 1e150])
+def test_brightness_does_not_depend_on_the_gain(gain):
+    pair = patch()
+    estimate = CrossCorrelation(NINE).estimate(pair)
+    loud = replace(pair, primary=gain * pair.primary, secondary=gain * pair.secondary)
+    np.testing.assert_allclose(brightness(loud, estimate, NINE), brightness(pair, estimate, NINE), rtol=1e-12)
+
+
 def test_what_they_say_of_echoes_without_noise():
     pair = patch(level=1.0)
     whole = FixedWindow(1, 256)
