@@ -48,6 +48,11 @@ class TwoWindow:
             raise ValueError(f"wrap is {self.wrap!r}; it must be an estimator, with a method estimate(pair)")
         checks.count("lags_per_resolution", self.lags_per_resolution, least=4)
 
+    @property
+    def window(self) -> WindowPolicy:
+        """That of the phase: what neighbours' errors within the wrap share."""
+        return self.phase
+
     def estimate(self, pair: EchoPair) -> DelayEstimate:
         """Estimate the delay at every sample; ValueError where a window or search range exceeds the pair."""
         wide, phase = self.wrap.estimate(pair), self.phase.on(pair)

@@ -42,9 +42,16 @@ class Comparison(NamedTuple):
 
 
 def in_full(swath: Swath) -> Swath:
-    """A scene of whose simulation nothing is left out: scatterers of their own exact delays and levels, and shadow."""
+    """A scene of whose simulation nothing is left out: scatterers of exact delays and levels, shadow, every section."""
     level = "even" if swath.sediment is None else "local"
-    chosen = {"shadow": True, "delays": "scatterers", "baseline": True, "level": level, "accuracy": 1e-12}
+    chosen = {
+        "sections": None,
+        "shadow": True,
+        "delays": "scatterers",
+        "baseline": True,
+        "level": level,
+        "accuracy": 1e-12,
+    }
     return swath.model_copy(update={"plan": swath.plan.model_copy(update=chosen)})
 
 

@@ -8,6 +8,7 @@ from estimators import (
     CrossCorrelation,
     FixedWindow,
     FullBandPhaseSlope,
+    TwoWindow,
     VaryingWindow,
     bounds,
     conformance,
@@ -85,6 +86,17 @@ def test_neighbours_of_windows_that_vary_claim_no_more_than_of_fixed_ones(speckl
         for window in (fixed, VaryingWindow(sizes, sizes))
     )
     np.testing.assert_allclose(other.delay_std, one.delay_std, rtol=1e-9)
+
+
+def test_neighbours_of_two_windows_share_that_of_the_phase(speckle):
+    pair, _ = speckle
+    method = TwoWindow(CrossCorrelation(FixedWindow(9, 9)), phase=FixedWindow(5, 5))
+    combined = CombinedNeighbours(method, std=1e-5 / FC, windows=(FixedWindow(5, 5),)).estimate(pair)
+    inner = slice(8, -8)
+    spread = np.sqrt(np.mean((combined.delay[inner] - 0.3 / B) ** 2))
+    claimed = np.sqrt(np.mean(combined.delay_std[inner] ** 2))
+    # 24 rows of 256 samples have 300 windows of both sizes side by side: 5 standard errors of 1 / sqrt(2 n).
+    assert spread < claimed * (1 + 5 / np.sqrt(2 * 300))
 
 
 def test_combinations_that_cannot_be():

@@ -51,6 +51,13 @@ def test_statistics_are_those_that_the_echoes_have():
     np.testing.assert_allclose(errors, expected, rtol=5 / np.sqrt(28))
 
 
+def test_the_full_model_has_a_section_for_each_row():
+    rough = {"kind": "roughness", "rms": 0.02, "seed": 1, "period": 6.4}
+    swath = Swath(ground_range=(60.0, 64.0), features=(rough,), plan={"sections": "one"})
+    assert swath.required(SONAR, 2).sections == "one"
+    assert shortcut.in_full(swath).required(SONAR, 2).sections == "each"
+
+
 def test_windows_of_what_is_hidden_do_not_count():
     pair = pair_of(1.0, 0.0, 1.0, np.random.default_rng(3))
     whole = shortcut._sums(pair, SONAR, EDGES)[:, 0, 0].real
