@@ -1,7 +1,7 @@
 """What the sonar looks at: a floor at height 0, what shapes it, and what it is made of."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import get_args
 
 import numpy as np
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sim import checks
 from sim.band import Real
 from sim.catalogue import find
-from sim.features import EVERYWHERE, Feature, Outline
+from sim.features import EVERYWHERE, Box, Feature, Outline, Wedge
 from sim.profile import Profile
 from sim.scattering import Model
 from sim.sediment import Sediment
@@ -131,16 +131,19 @@ class Scene:
     @property
     def uniform(self) -> bool:
         """Whether relief and sediment are the same all along the track."""
-        return all(f.uniform for f in self.features) and all(p.along_track == EVERYWHERE for p in self.patches)
+        return all(f.uniform for f in self.features) and all(tuple(p.along_track) == EVERYWHERE for p in self.patches)
 
     @property
     def heights(self) -> tuple[float, float]:
         """Heights between which it stays [m]: its own, or bounds where it varies along track."""
-        if self.uniform:
-            height = self.profile().height
-            return float(height.min()), float(height.max())
-        bounds = [feature.heights for feature in self.features]
-        return float(sum(low for low, _ in bounds)), float(sum(high for _, high in bounds))
+        endless = [feature for feature in self.features if feature.uniform]
+        short = [feature for feature in self.features if not feature.uniform and isinstance(feature, Box | Wedge)]
+        varying = [feature for feature in self.features if not feature.uniform and feature not in short]
+        # Solids that end along track raise the seabed where they stand, and lower it nowhere.
+        raised = [*endless, *(replace(solid, along_track=EVERYWHERE) for solid in short)]
+        low, high = (replace(self, features=some, patches=()).profile().height for some in (endless, raised))
+        below, above = (sum(feature.heights[end] for feature in varying) for end in (0, 1))
+        return float(low.min() + below), float(high.max() + above)
 
     def profile(self, along_track: float = 0.0) -> Profile:
         """Its section at a place along track [m]."""

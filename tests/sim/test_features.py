@@ -136,3 +136,8 @@ def test_whole_numbers_are_as_good_as_others():
         found = getattr(whole.profile(), part)
         assert found.dtype == np.float64
         np.testing.assert_array_equal(found, getattr(real.profile(), part))
+
+
+def test_boxes_that_never_meet_do_not_add_up_in_the_bounds():
+    scene = Scene((NEAR, FAR), (Box(35, 2, 8, (0, 1)), Box(45, 2, 7, (2, 3)), Step(40.0, -0.5), TrawlMark(60.0, 30.0)))
+    assert scene.heights == pytest.approx((-0.65, 8.0))
