@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.lag_product import LagStack, power
+from estimators.lag_product import LagStack
 from estimators.peak_kernels import COEFFICIENTS, OFFSETS, STENCIL, climb_from_lags, read_at_lags
 from sim.band import Complex, Real
 
@@ -35,7 +35,7 @@ class Peak(NamedTuple):
     @property
     def height(self) -> Real:
         """Magnitude of the product over the largest possible one, 0 to 1; 0 where there is no echo."""
-        magnitude = np.sqrt(power(self.product))
+        magnitude = np.abs(self.product)
         height = np.divide(magnitude, self.energy, out=np.zeros_like(magnitude), where=self.energy > 0)
         return np.minimum(height, 1.0, out=height)
 

@@ -20,6 +20,8 @@ COEFFICIENTS = np.linalg.inv(np.vander(OFFSETS.astype(float), increasing=True))
 """Of the polynomial, shape (power, lag), from the products at `OFFSETS`."""
 
 LAGS = 2 * STENCIL + 1
+SCALES = np.array([1 / np.prod([k - other for other in OFFSETS if other != k]) for k in OFFSETS])
+"""Of Lagrange's weights of the nine lags."""
 
 STEPS = 4
 """Of Newton's method."""
@@ -46,20 +48,53 @@ def climb_from_lags(
             _start(products, r, begin, index[r, part], share[r, part], inside[r, part])
             _climb(real, imag, share[r, part], inside[r, part])
             _read(real, imag, share[r, part], product[r, part])
-            _between(energies, r, begin, index[r, part], share[r, part], energy[r, part])
+            times = np.minimum(np.arange(part.start, part.stop), energies.shape[2] - 1)
+            read_energies(energies[:, r], times, index[r, part], share[r, part], energy[r, part])
 
 
 @compiled
 def read_at_lags(products: Array, energies: Array, index: Array, share: Array, product: Array, energy: Array) -> None:
     """Products and energies at `share` of a lag from the lags `index`."""
-    weights = COEFFICIENTS
-    real, imag = np.empty((LAGS, PIXELS)), np.empty((LAGS, PIXELS))
     for r in range(index.shape[0]):
         for begin in range(0, index.shape[1], PIXELS):
             part = slice(begin, min(begin + PIXELS, index.shape[1]))
-            _fit(products, weights, r, begin, index[r, part], real, imag)
-            _read(real, imag, share[r, part], product[r, part])
-            _between(energies, r, begin, index[r, part], share[r, part], energy[r, part])
+            # Where all times have one product, its column stands for all.
+            times = np.minimum(np.arange(part.start, part.stop), products.shape[2] - 1)
+            read_products(products[:, r], times, index[r, part], share[r, part], product[r, part])
+            read_energies(energies[:, r], times, index[r, part], share[r, part], energy[r, part])
+
+
+@compiled
+def read_products(products: Array, times: Array, index: Array, share: Array, product: Array) -> None:
+    """The polynomials, by Lagrange's weights of the nine lags."""
+    weights = np.empty((LAGS, share.size))
+    for i in range(share.size):
+        ahead = behind = 1.0
+        for k in range(LAGS):
+            weights[k, i] = ahead * SCALES[k]
+            ahead *= share[i] - OFFSETS[k]
+        for k in range(LAGS - 1, -1, -1):
+            weights[k, i] *= behind
+            behind *= share[i] - OFFSETS[k]
+    real, imag = np.zeros(share.size), np.zeros(share.size)
+    for k in range(LAGS):
+        for i in range(share.size):
+            value = products[index[i] + k - STENCIL, times[i]]
+            real[i] += weights[k, i] * value.real
+            imag[i] += weights[k, i] * value.imag
+    for i in range(share.size):
+        product[i] = complex(real[i], imag[i])
+
+
+@compiled
+def read_energies(energies: Array, times: Array, index: Array, share: Array, energy: Array) -> None:
+    """On a parabola between lags: a straight line lies so far off that coherences of .999 come out as 1."""
+    for i in range(index.size):
+        t = times[i]
+        before, here, after = energies[index[i] - 1, t], energies[index[i], t], energies[index[i] + 1, t]
+        parabola = here + share[i] / 2 * (after - before + share[i] * (after + before - 2 * here))
+        # Of a single dark pixel it may undershoot.
+        energy[i] = max(parabola, min(here, min(before, after)))
 
 
 @compiled
@@ -122,18 +157,6 @@ def _read(real: Array, imag: Array, share: Array, product: Array) -> None:
         for k in range(2, LAGS + 1):
             a, b = a * share[i] + real[LAGS - k, i], b * share[i] + imag[LAGS - k, i]
         product[i] = complex(a, b)
-
-
-@compiled
-def _between(energies: Array, r: int, begin: int, index: Array, share: Array, energy: Array) -> None:
-    """On a parabola between lags: a straight line lies so far off that coherences of .999 come out as 1."""
-    last = energies.shape[2] - 1
-    for i in range(index.size):
-        t = min(begin + i, last)
-        before, here, after = energies[index[i] - 1, r, t], energies[index[i], r, t], energies[index[i] + 1, r, t]
-        parabola = here + share[i] / 2 * (after - before + share[i] * (after + before - 2 * here))
-        # Of a single dark pixel it may undershoot.
-        energy[i] = max(parabola, min(here, min(before, after)))
 
 
 @compiled

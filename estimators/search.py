@@ -188,12 +188,12 @@ def by_rows(
     return Peak(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
 
 
-def refined_delay(peak: Peak, centre_frequency: float) -> Real:
-    """The delay nearest to a peak that its phase allows.
+def refined_delay(peak: Peak, centre_frequency: float, angle: Real | None = None) -> Real:
+    """The delay nearest to a peak that its phase allows, given the angle of its product where that is known.
 
     With the peak at `tau` and the absolute phase `phi = -arg C`: `tau + wrap(phi - 2 pi fc tau) / (2 pi fc)`.
     """
-    wraps = np.angle(peak.product) / (2 * np.pi) + centre_frequency * peak.delay
+    wraps = (np.angle(peak.product) if angle is None else angle) / (2 * np.pi) + centre_frequency * peak.delay
     delay: Real = peak.delay + (np.rint(wraps) - wraps) / centre_frequency
     return delay
 
@@ -222,9 +222,7 @@ def describe(
     bandwidth
         Of the flat band that tells the delay as well as the method does without the phase [Hz]; the pair's where None.
     """
-    magnitude = np.abs(peak.product)
-    has_echo = peak.energy > 0
-    coherence = np.minimum(np.divide(magnitude, peak.energy, out=np.zeros_like(magnitude), where=has_echo), 1.0)
+    coherence, angle = peak.height, np.angle(peak.product)
     looks = window.looks(pair)
     relative_bandwidth = (bandwidth or pair.bandwidth) / pair.centre_frequency
     within_wrap = delay_std(coherence, looks, relative_bandwidth, refine=refine) / pair.centre_frequency
@@ -232,14 +230,14 @@ def describe(
         *(
             np.broadcast_to(array, pair.shape)
             for array in (
-                refined_delay(peak, pair.centre_frequency) if refine else peak.delay,
-                np.pi - np.mod(np.angle(peak.product) + np.pi, 2 * np.pi),
+                refined_delay(peak, pair.centre_frequency, angle) if refine else peak.delay,
+                np.where(angle == np.pi, angle, -angle),
                 coherence,
                 debiased_coherence(coherence, looks),
                 predicted_std(within_wrap, search),
                 peak.doubt,
                 1 - peak.doubt,
-                window.inside(pair) & peak.inside & has_echo,
+                window.inside(pair) & peak.inside & (peak.energy > 0),
             )
         )
     )

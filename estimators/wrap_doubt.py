@@ -2,16 +2,19 @@
 
 import math
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimators.lag_product import LagStack
-from estimators.peak_kernels import STENCIL
+from estimators.peak_kernels import STENCIL, read_energies, read_products
 from estimators.posterior import Looks
 from sim.band import Complex, Real
 from sim.compiled import compiled
+
+Times = NDArray[np.intp]
+Stack = tuple[Complex, Real]
 
 NODES = 513
 """Coherences at which the share of a wrap is tabulated, evenly from 0 to 1."""
@@ -19,21 +22,30 @@ NODES = 513
 CARE = 1e-2
 """Part of the odds that a rival may add without being read with care."""
 
-PARTS = 128
-"""Places between two lags at which a product is read; a peak is lower there by less than 1e-5 of its height."""
+PIXELS = 256
+"""Rivals that are read together."""
 
 
-def _weights() -> Real:
-    """Of the polynomial through products at nine lags, at `PARTS + 1` places within half a lag of the middle one."""
-    place = np.linspace(-0.5, 0.5, PARTS + 1)
-    lags = np.arange(-STENCIL, STENCIL + 1)
-    weights: Real = np.vander(place, len(lags), increasing=True) @ np.linalg.inv(
-        np.vander(lags.astype(float), increasing=True)
-    )
-    return weights
+class Model(NamedTuple):
+    """What tells wraps apart: carrier, search range, and looks with the masses they give.
 
+    Attributes
+    ----------
+    turns_a_lag
+        Of the carrier.
+    search
+        Largest delay [lags].
+    looks, tables
+        Distinct looks, and log of the masses of peaks over coherence for each of them.
+    which
+        Those of each time.
+    """
 
-_WEIGHTS = _weights()
+    turns_a_lag: float
+    search: float
+    looks: Real
+    which: Times
+    tables: Real
 
 
 def wrap_doubt(
@@ -83,16 +95,13 @@ def wrap_doubt(
     if np.max(looks) <= 1:
         return np.full(shape, guess)
     distinct, which = _looks_at(looks, shape[1])
+    tables = np.stack([_mass_table(float(n)) for n in distinct])
     found: Real = _doubts(
         np.broadcast_to(stack.products, (len(stack.products), *shape)),
         np.broadcast_to(stack.energies, (len(stack.energies), *shape)),
         np.ascontiguousarray(np.broadcast_to(delay, shape)) / stack.step,
         None if height is None else np.ascontiguousarray(np.broadcast_to(height, shape)),
-        centre_frequency * stack.step,
-        search / stack.step,
-        distinct,
-        which,
-        np.stack([_mass_table(float(n)) for n in distinct]),
+        Model(centre_frequency * stack.step, search / stack.step, distinct, which, tables),
     )
     return np.where(distinct[which] <= 1, guess, found)
 
@@ -144,58 +153,69 @@ def _mass_table(looks: float) -> Real:
 
 
 @compiled
-def _peak_mass(height: float, looks: float, table: Real) -> float:
+def _peak_mass(height: float, looks: Real, tables: Real, at: int) -> float:
     """Log of what the half of a wrap where the cosine is positive adds to twice M, that of the other half being 0."""
     place = height * (NODES - 1)
     node = min(int(place), NODES - 2)
-    log_mean = table[node] + (place - node) * (table[node + 1] - table[node])
-    return float(log_mean - (looks - 1.5) * math.log(1 - min(height * height, 1 - 1e-15)))
+    log_mean = tables[at, node] + (place - node) * (tables[at, node + 1] - tables[at, node])
+    return float(log_mean - (looks[at] - 1.5) * math.log(1 - min(height * height, 1 - 1e-15)))
 
 
 @compiled
-def _log_share(height: float, looks: float, table: Real) -> float:
+def _log_share(height: float, looks: Real, tables: Real, at: int) -> float:
     """Log of twice M."""
-    log_peak = _peak_mass(height, looks, table)
+    log_peak = _peak_mass(height, looks, tables, at)
     return float(max(log_peak, 0.0) + math.log1p(math.exp(-abs(log_peak))))
 
 
 @compiled
-def _peak_height(products: Complex, energies: Real, row: int, time: int, lag: float, turns_a_lag: float) -> float:
-    """Normalised height of the passband peak next to a lag: there the product has the phase of the carrier.
-
-    That phase is read at the nearest whole lag, the height by the polynomial at the place it points to.
-    """
-    reach = len(products) // 2
-    lag = min(max(lag, STENCIL + 0.5 - reach), reach - STENCIL - 0.5)
-    whole = math.floor(lag + 0.5)
-    product = products[whole + reach, row, time]
-    turns = math.atan2(product.imag, product.real) * (0.5 / np.pi) + turns_a_lag * whole
-    wrap = 1 / turns_a_lag
-    lag = whole + (math.floor((lag - whole) * turns_a_lag + turns + 0.5) - turns) * wrap
-    lag = min(max(lag, STENCIL + 0.5 - reach), reach - STENCIL - 0.5)
-    nearest = math.floor(lag + 0.5)
-    place = nearest + reach
-    weights = _WEIGHTS[math.floor((lag - nearest + 0.5) * PARTS + 0.5)]
-    real = imag = 0.0
-    for k in range(2 * STENCIL + 1):
-        product = products[place - STENCIL + k, row, time]
-        real += weights[k] * product.real
-        imag += weights[k] * product.imag
-    share = lag - nearest
-    here, before, after = energies[place, row, time], energies[place - 1, row, time], energies[place + 1, row, time]
-    parabola = here + share / 2 * (after - before + share * (after + before - 2 * here))
-    energy = max(parabola, min(here, before, after))
-    return min(math.sqrt(real * real + imag * imag) / energy, 1.0) if energy > 0 else 0.0
+def _turns(imag: float, real: float) -> float:
+    """Phase in turns, to 2e-6 (Abramowitz and Stegun 1964, 4.4.49, which several of can be found at once)."""
+    x, y = abs(real), abs(imag)
+    ratio = min(x, y) / max(x, y, 1e-300)
+    square = ratio * ratio
+    series = 0.9998660 + square * (-0.3302995 + square * (0.1801410 + square * (-0.0851330 + square * 0.0208351)))
+    turns = ratio * series * (0.5 / np.pi)
+    turns = 0.25 - turns if y > x else turns
+    turns = 0.5 - turns if real < 0 else turns
+    return -turns if imag < 0 else turns
 
 
 @compiled
-def _may_exceed(products: Complex, energies: Real, row: int, time: int, lag: float, least: float) -> bool:
+def _heights(products: Complex, energies: Real, times: Times, lags: Real, turns_a_lag: float) -> Real:
+    """Normalised heights of the passband peaks next to lags: there the product has the phase of the carrier.
+
+    That phase is read at the nearest whole lag, the height by the polynomial at the place it points to.
+    """
+    reach, wrap = len(products) // 2, 1 / turns_a_lag
+    most = reach - STENCIL - 0.5
+    index, share = np.empty(len(lags), np.intp), np.empty(len(lags))
+    product, energy = np.empty(len(lags), np.complex128), np.empty(len(lags))
+    for i in range(len(lags)):
+        lag = min(max(lags[i], -most), most)
+        whole = math.floor(lag + 0.5)
+        value = products[np.int32(whole) + reach, times[i]]
+        turns = _turns(value.imag, value.real) + turns_a_lag * whole
+        lag = whole + (math.floor((lag - whole) * turns_a_lag + turns + 0.5) - turns) * wrap
+        lag = min(max(lag, -most), most)
+        whole = math.floor(lag + 0.5)
+        index[i], share[i] = np.int32(whole) + reach, lag - whole
+    read_products(products, times, index, share, product)
+    read_energies(energies, times, index, share, energy)
+    for i in range(len(lags)):
+        magnitude = math.sqrt(product[i].real * product[i].real + product[i].imag * product[i].imag)
+        share[i] = min(magnitude / energy[i], 1.0) if energy[i] > 0 else 0.0
+    return share
+
+
+@compiled
+def _may_exceed(products: Complex, energies: Real, time: int, lag: float, least: float) -> bool:
     """Whether the squared height next to a lag may exceed `least`, by a straight line between the two lags around it.
 
     Between lags a series of at least four samples in `1 / B` is higher by 8 % at the most, `1 / cos(pi / 8)`.
     """
     place = min(max(math.floor(lag) + len(products) // 2, 0), len(products) - 2)
-    before, after, energy = products[place, row, time], products[place + 1, row, time], energies[place, row, time]
+    before, after, energy = products[place, time], products[place + 1, time], energies[place, time]
     share = lag + len(products) // 2 - place
     line = (1 - share) * (before.real * before.real + before.imag * before.imag)
     line += share * (after.real * after.real + after.imag * after.imag)
@@ -203,47 +223,87 @@ def _may_exceed(products: Complex, energies: Real, row: int, time: int, lag: flo
 
 
 @compiled
-def _doubts(
-    products: Complex,
-    energies: Real,
-    delays: Real,
-    heights: Real | None,
-    turns_a_lag: float,
-    search: float,
-    looks: Real,
-    which: NDArray[np.intp],
-    tables: Real,
-) -> Real:
-    """Delays and search in lags, the carrier's turns a lag; looks and tables at each time are those of `which`.
-
-    Rivals are asked from the nearest on, and with care only where they may add `CARE` of what those before them have.
-    """
+def _doubts(products: Complex, energies: Real, delays: Real, heights: Real | None, model: Model) -> Real:
+    """Delays in lags."""
     found = np.empty(delays.shape)
-    wrap = 1 / turns_a_lag
     for row in range(delays.shape[0]):
-        for time in range(delays.shape[1]):
-            n, table, delay = looks[which[time]], tables[which[time]], delays[row, time]
+        stack = products[:, row], energies[:, row]
+        for begin in range(0, delays.shape[1], PIXELS):
+            times = np.arange(begin, min(begin + PIXELS, delays.shape[1]))
+            lags = delays[row, begin : begin + PIXELS]
             if heights is None:
-                height = _peak_height(products, energies, row, time, delay, turns_a_lag)
+                height = _heights(*stack, times, lags, model.turns_a_lag)
             else:
-                height = heights[row, time]
-            here = _log_share(height, n, table)
-            nothing = math.exp(-here)
-            own = min((search - abs(delay)) * turns_a_lag + 0.5, 1.0)
-            # All rivals have the share of no correlation; those that correlate add to it.
-            odds, least = max(2 * search * turns_a_lag - own, 0.0) * nothing, -1.0
-            most = math.floor((search + abs(delay)) * turns_a_lag + 0.5)
-            for away in range(1, most + 1):
-                for side in (-1, 1):
-                    lag = delay + side * away * wrap
-                    share = min((search - abs(lag)) * turns_a_lag + 0.5, 1.0)
-                    if share > 0 and _may_exceed(products, energies, row, time, lag, least):
-                        height = _peak_height(products, energies, row, time, lag, turns_a_lag)
-                        odds += share * math.exp(min(_peak_mass(height, n, table) - here, 700.0))
-                if away == 1 and n > 1.5:
-                    least = 1 - math.exp(min(-(math.log(CARE * odds + 1e-300) + here) / (n - 1.5), 0.0))
-            found[row, time] = odds / (1 + odds)
+                height = heights[row, begin : begin + PIXELS]
+            found[row, begin : begin + PIXELS] = _doubts_at(stack, times, lags, height, model)
     return found
+
+
+@compiled
+def _doubts_at(stack: Stack, times: Times, delays: Real, heights: Real, model: Model) -> Real:
+    """Rivals are asked from the nearest on, and with care only where they may add `CARE` of what those have."""
+    turns_a_lag, search, looks, which, tables = model
+    masses, odds, least = np.empty(len(delays)), np.empty(len(delays)), np.empty(len(delays))
+    for i in range(len(delays)):
+        masses[i] = _peak_mass(heights[i], looks, tables, which[times[i]])
+        # All rivals have the share of no correlation; those that correlate add to it.
+        others = max(2 * search * turns_a_lag - _part(delays[i], search, turns_a_lag), 0.0)
+        odds[i] = others * math.exp(-masses[i])
+    pixels, wrap = np.arange(len(delays)), 1 / turns_a_lag
+    for side in (-1, 1):
+        _add(stack, times, pixels, delays + side * wrap, masses, model, odds)
+    for i in range(len(delays)):
+        power = looks[which[times[i]]] - 1.5
+        log_odds = math.log(CARE * odds[i] + 1e-300) + masses[i]
+        least[i] = 1 - math.exp(min(-log_odds / power, 0.0)) if power > 0 else -1.0
+    count, lags = 0, np.empty(len(delays))
+    for i in np.flatnonzero(_rise(stack, times, delays, least, 1.5 * wrap) > 0):
+        most = math.floor((search + abs(delays[i])) * turns_a_lag + 0.5)
+        for away in range(2, int(most) + 1):
+            for lag in (delays[i] - away * wrap, delays[i] + away * wrap):
+                if _part(lag, search, turns_a_lag) > 0 and _may_exceed(*stack, times[i], lag, least[i]):
+                    pixels[count], lags[count] = i, lag
+                    count += 1
+                    if count == len(lags):
+                        _add(stack, times, pixels, lags, masses, model, odds)
+                        count = 0
+    _add(stack, times, pixels[:count], lags[:count], masses, model, odds)
+    for i in range(len(delays)):
+        odds[i] /= odds[i] + 1 + math.exp(-masses[i])
+    return odds
+
+
+@compiled
+def _rise(stack: Stack, times: Times, delays: Real, least: Real, away: float) -> Real:
+    products, energies = stack
+    highest = np.full(len(delays), -1.0)
+    reach = len(products) // 2
+    begin, end = times[0], times[0] + len(times)
+    for lag in range(-reach, reach + 1):
+        product, energy = products[lag + reach, begin:end], energies[lag + reach, begin:end]
+        for i in range(len(delays)):
+            power = product[i].real * product[i].real + product[i].imag * product[i].imag
+            rise = 1.18 * power - least[i] * energy[i] * energy[i]
+            rise = rise if abs(lag - delays[i]) > away else -1.0
+            highest[i] = max(highest[i], rise)
+    return highest
+
+
+@compiled
+def _add(stack: Stack, times: Times, pixels: Times, lags: Real, masses: Real, model: Model, odds: Real) -> None:
+    """To the odds of some pixels what rivals at these lags have where they correlate."""
+    looks, which, tables = model.looks, model.which, model.tables
+    heights = _heights(*stack, times[pixels], lags, model.turns_a_lag)
+    for k in range(len(pixels)):
+        i = pixels[k]
+        mass, part = _peak_mass(heights[k], looks, tables, which[times[i]]), _part(lags[k], model.search, model.turns_a_lag)
+        odds[i] += part * math.exp(min(mass - masses[i], 700.0)) if part > 0 else 0.0
+
+
+@compiled
+def _part(lag: float, search: float, turns_a_lag: float) -> float:
+    """Of the wrap about a lag, how much is within the range; not above 0 where none is."""
+    return min((search - abs(lag)) * turns_a_lag + 0.5, 1.0)
 
 
 @compiled
@@ -262,7 +322,7 @@ def _sub_band_doubts(
     found = np.empty(delays.shape)
     for row in range(delays.shape[0]):
         for time in range(delays.shape[1]):
-            n, table, delay = looks[which[time]], tables[which[time]], delays[row, time]
+            delay = delays[row, time]
             energy = energies[row, time] if energies[row, time] > 0 else np.inf
             first, second = low[row, time], high[row, time]
             here, odds = 0.0, 0.0
@@ -270,7 +330,7 @@ def _sub_band_doubts(
                 share = min(search - abs(delay + m) + 0.5, 1.0)
                 if m == 0 or share > 0:
                     height = abs(first + second * np.exp(2j * np.pi * spacing * (delay + m))) / energy
-                    there = _log_share(min(height, 1.0), n, table)
+                    there = _log_share(min(height, 1.0), looks, tables, which[time])
                     if m == 0:
                         here = there
                     else:

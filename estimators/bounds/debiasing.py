@@ -14,7 +14,7 @@ NODE_STEP = 0.2
 STENCIL = 6
 KNOT_STEP = 0.04
 PIECES = 372
-CHUNK = 1 << 16
+CHUNK = 1 << 14
 _LAST = 30.0
 
 
@@ -27,13 +27,14 @@ def debias_coherence(sample_coherence: ArrayLike, looks: ArrayLike) -> Floats:
     near the floor.
     """
     one = within(looks, 1.0, MOST_LOOKS)
-    g, n = np.broadcast_arrays(np.asarray(sample_coherence, dtype=np.float64), one)
+    both = np.broadcast_arrays(np.asarray(sample_coherence, dtype=np.float64), one)
+    g, n = (array.ravel() for array in both)
     result = np.where((n > 1.0) & ~np.isnan(g), np.where(g >= 1.0, 1.0, 0.0), np.nan)
-    left = np.flatnonzero((n > 1.0) & (g < 1.0) & (g > _floor(one)))
+    left = np.flatnonzero((n > 1.0) & (g < 1.0) & (g > (_floor(one) if one.size == 1 else _floor(n))))
     for some in np.array_split(left, left.size // CHUNK + 1):
         if some.size:
-            result.flat[some] = _inverse(g.flat[some], one.reshape(1) if one.size == 1 else n.flat[some])
-    return result
+            result[some] = _inverse(g[some], one.reshape(1) if one.size == 1 else n[some])
+    return result.reshape(both[0].shape)
 
 
 def _floor(n: Floats) -> Floats:
@@ -61,7 +62,8 @@ def _inverse(g: Floats, n: Floats) -> Floats:
     first, weights = _stencil(n)
     table = _tables(int(np.min(first)), int(np.max(first)) + STENCIL)
     if n.size == 1:
-        coefficients = np.tensordot(table[:, first[0] : first[0] + STENCIL], weights[:, 0], axes=(1, 0))[:, piece]
+        of_pieces = np.tensordot(table[:, first[0] : first[0] + STENCIL], weights[:, 0], axes=(1, 0))
+        coefficients = np.take(of_pieces, piece, axis=1)
     else:
         coefficients = np.zeros((4, g.size))
         for member in range(STENCIL):
