@@ -22,7 +22,8 @@ from estimators import CrossCorrelation, FixedWindow, FullBandPhaseSlope
 from estimators.interference import interferogram
 from estimators.lag_product import LagStack, lag_series, power
 from estimators.moving_sum import product_sum, window_sum
-from estimators.peak import Peak, strongest
+from estimators.peak import Peak
+from estimators.peak_kernels import strongest
 from estimators.search import over_times
 from sim import EchoPair
 from studies.parallel import one_thread
@@ -122,7 +123,7 @@ def search(primary: Numbers, secondary: Numbers) -> Numbers:
     series = lag_series(primary[None], secondary[None], FixedWindow(1, WINDOW), 2, LAGS, 1.0)
 
     def find(stack: LagStack) -> Peak:
-        lag = strongest(power(stack.products))
+        lag = strongest(stack.products)
         return Peak(lag - LAGS, *(np.broadcast_to(0, lag.shape) for _ in range(4)))
 
     return over_times(series, find).delay[0]

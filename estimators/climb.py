@@ -4,21 +4,22 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from estimators.estimate import Estimator
+from estimators.lag_product import power
 from estimators.peak import Index
 from sim import EchoPair
-from sim.band import Real
+from sim.band import Complex, Real
 
 Start = Estimator | ArrayLike
 """Another estimator, or its delays [s]: an array that broadcasts to the shape of the pair."""
 
 
-def first_from(magnitude: Real, start: Index) -> Index:
+def first_from(products: Complex, start: Index) -> Index:
     """Lag of the local maximum where a climb from a lag of each pixel's own ends.
 
     Parameters
     ----------
-    magnitude
-        Shape (lag, rows, time).
+    products
+        Lag products, shape (lag, rows, time).
     start
         Shape (rows, time); a lag before the first or beyond the last is taken to that.
 
@@ -27,6 +28,7 @@ def first_from(magnitude: Real, start: Index) -> Index:
     array
         Shape (rows, time). From the middle lag it is that of `estimators.peak.first_from_zero`.
     """
+    magnitude = power(products)
     lags = len(magnitude)
     start = np.clip(start, 0, lags - 1)
     lag = np.arange(lags).reshape(-1, 1, 1)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from estimators.estimate import DelayEstimate
 from estimators.height import Height
-from estimators.peak import strongest
+from estimators.peak_kernels import strongest
 from estimators.search import describe, search_peaks, search_range
 from estimators.windows import WindowPolicy
 from sim import EchoPair, checks

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.lag_product import LagStack
+from estimators.lag_product import LagStack, power
 from estimators.peak_kernels import COEFFICIENTS, OFFSETS, STENCIL, climb_from_lags, read_at_lags
 from sim.band import Complex, Real
 
@@ -44,14 +44,9 @@ class Peak(NamedTuple):
         return Peak(*np.broadcast_arrays(*self))
 
 
-def strongest(magnitude: Real) -> Index:
-    """Lag of the largest magnitude; from shape (lag, rows, time) to (rows, time)."""
-    index: Index = magnitude.argmax(axis=0)
-    return index
-
-
-def first_from_zero(magnitude: Real) -> Index:
+def first_from_zero(products: Complex) -> Index:
     """Lag of the local maximum where a climb from the middle lag ends; from shape (lag, rows, time) to (rows, time)."""
+    magnitude = power(products)
     centre = len(magnitude) // 2
     rises = np.diff(magnitude, axis=0)
     ahead, behind = rises[centre:] > 0, rises[:centre][::-1] < 0

@@ -32,6 +32,20 @@ Array = NDArray[Any]
 
 
 @compiled
+def strongest(products: Array) -> NDArray[np.intp]:
+    """Lag of the largest magnitude, the first of equal ones; from shape (lag, rows, time) to (rows, time)."""
+    index = np.zeros(products.shape[1:], np.intp)
+    for r in range(index.shape[0]):
+        highest = np.full(index.shape[1], -1.0)
+        for lag in range(len(products)):
+            for t in range(index.shape[1]):
+                power = _power(products[lag, r, t])
+                index[r, t] = lag if power > highest[t] else index[r, t]
+                highest[t] = max(power, highest[t])
+    return index
+
+
+@compiled
 def climb_from_lags(
     products: Array, energies: Array, index: Array, share: Array, product: Array, energy: Array, inside: Array
 ) -> None:
@@ -102,17 +116,21 @@ def _fit(products: Array, weights: Array, r: int, begin: int, index: Array, real
     """Coefficients of the polynomials, shape (power, pixel)."""
     # Where all times have one product, its column stands for all.
     last = products.shape[2] - 1
-    around_real, around_imag = np.empty((LAGS, index.size)), np.empty((LAGS, index.size))
-    for j in range(LAGS):
+    sums, differences = np.empty((2, STENCIL + 1, index.size)), np.empty((2, STENCIL + 1, index.size))
+    for j in range(STENCIL + 1):
         for i in range(index.size):
-            value = products[index[i] + j - STENCIL, r, min(begin + i, last)]
-            around_real[j, i], around_imag[j, i] = value.real, value.imag
+            t = min(begin + i, last)
+            behind, ahead = products[index[i] - j, r, t], products[index[i] + j, r, t]
+            sums[0, j, i], sums[1, j, i] = ahead.real + behind.real, ahead.imag + behind.imag
+            differences[0, j, i], differences[1, j, i] = ahead.real - behind.real, ahead.imag - behind.imag
+    # Even powers take lags on either side alike, odd ones oppositely.
     for k in range(LAGS):
+        parts = differences if k % 2 else sums
         for i in range(index.size):
-            a = b = 0.0
-            for j in range(LAGS):
-                a += weights[k, j] * around_real[j, i]
-                b += weights[k, j] * around_imag[j, i]
+            a, b = weights[k, STENCIL] / 2 * parts[0, 0, i], weights[k, STENCIL] / 2 * parts[1, 0, i]
+            for j in range(1, STENCIL + 1):
+                a += weights[k, STENCIL + j] * parts[0, j, i]
+                b += weights[k, STENCIL + j] * parts[1, j, i]
             real[k, i], imag[k, i] = a, b
 
 

@@ -10,14 +10,15 @@ import numpy as np
 from estimators.climb import Start, first_from, start_of
 from estimators.estimate import DelayEstimate
 from estimators.height import Height
-from estimators.peak import Index, Peak, first_from_zero, strongest
+from estimators.peak import Index, Peak, first_from_zero
+from estimators.peak_kernels import strongest
 from estimators.search import describe, read_at, search_peaks, search_range
 from estimators.uncertainty import small_window_std
 from estimators.windows import FixedWindow, VaryingWindow, Window, WindowPolicy
 from sim import EchoPair, checks
-from sim.band import Real
+from sim.band import Complex, Real
 
-PEAKS: Mapping[str, Callable[[Real], Index]] = MappingProxyType({"first": first_from_zero, "strongest": strongest})
+PEAKS: Mapping[str, Callable[[Complex], Index]] = MappingProxyType({"first": first_from_zero, "strongest": strongest})
 
 
 FEW_LOOKS, VOUCHING_LOOKS = 3, 7

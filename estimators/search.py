@@ -7,7 +7,7 @@ import scipy.fft
 
 from estimators.estimate import DelayEstimate
 from estimators.height import Height
-from estimators.lag_product import LagSeries, LagStack, lag_series, power, scale_of
+from estimators.lag_product import LagSeries, LagStack, lag_series, scale_of
 from estimators.peak import Index, Peak, moved_to, peak_at
 from estimators.peak_kernels import STENCIL
 from estimators.posterior import delay_std
@@ -66,8 +66,8 @@ def search_peaks(
     lags_per_resolution
         Lags in `1 / B`, at least 4.
     pick
-        Chooses a lag from the squared magnitudes within the search range, shape (lag, rows, time), and the lags nearest
-        to the `starts`, shape (rows, time).
+        Chooses a lag from the lag products within the search range, shape (lag, rows, time), and the lags nearest to
+        the `starts`, shape (rows, time).
     refine
         Whether the peak is moved to the nearest delay that its phase allows.
     starts
@@ -77,7 +77,7 @@ def search_peaks(
 
     def find(stack: LagStack, margin: int, *near: Real) -> Peak:
         lags = (np.rint(delay / stack.step).astype(np.intp) + stack.reach - margin for delay in near)
-        peak = peak_at(stack, pick(power(stack.products[margin:-margin]), *lags) + margin)
+        peak = peak_at(stack, pick(stack.products[margin:-margin], *lags) + margin)
         peak = moved_to(peak, stack, refined_delay(peak, pair.centre_frequency)) if refine else peak
         height = peak.height if refine else None
         return peak._replace(doubt=wrap_doubt(stack, peak.delay, looks, pair.centre_frequency, search, height))
