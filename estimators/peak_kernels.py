@@ -63,7 +63,7 @@ def climb_from_lags(
             _climb(real, imag, share[r, part], inside[r, part])
             _read(real, imag, share[r, part], product[r, part])
             times = np.minimum(np.arange(part.start, part.stop), energies.shape[2] - 1)
-            read_energies(energies[:, r], times, index[r, part], share[r, part], energy[r, part])
+            read_energies(energies, r, times, index[r, part], share[r, part], energy[r, part])
 
 
 @compiled
@@ -74,12 +74,12 @@ def read_at_lags(products: Array, energies: Array, index: Array, share: Array, p
             part = slice(begin, min(begin + PIXELS, index.shape[1]))
             # Where all times have one product, its column stands for all.
             times = np.minimum(np.arange(part.start, part.stop), products.shape[2] - 1)
-            read_products(products[:, r], times, index[r, part], share[r, part], product[r, part])
-            read_energies(energies[:, r], times, index[r, part], share[r, part], energy[r, part])
+            read_products(products, r, times, index[r, part], share[r, part], product[r, part])
+            read_energies(energies, r, times, index[r, part], share[r, part], energy[r, part])
 
 
 @compiled
-def read_products(products: Array, times: Array, index: Array, share: Array, product: Array) -> None:
+def read_products(products: Array, r: int, times: Array, index: Array, share: Array, product: Array) -> None:
     """The polynomials, by Lagrange's weights of the nine lags."""
     weights = np.empty((LAGS, share.size))
     for i in range(share.size):
@@ -90,22 +90,21 @@ def read_products(products: Array, times: Array, index: Array, share: Array, pro
         for k in range(LAGS - 1, -1, -1):
             weights[k, i] *= behind
             behind *= share[i] - OFFSETS[k]
-    real, imag = np.zeros(share.size), np.zeros(share.size)
-    for k in range(LAGS):
-        for i in range(share.size):
-            value = products[index[i] + k - STENCIL, times[i]]
-            real[i] += weights[k, i] * value.real
-            imag[i] += weights[k, i] * value.imag
     for i in range(share.size):
-        product[i] = complex(real[i], imag[i])
+        real = imag = 0.0
+        for k in range(LAGS):
+            value = products[index[i] + k - STENCIL, r, times[i]]
+            real += weights[k, i] * value.real
+            imag += weights[k, i] * value.imag
+        product[i] = complex(real, imag)
 
 
 @compiled
-def read_energies(energies: Array, times: Array, index: Array, share: Array, energy: Array) -> None:
+def read_energies(energies: Array, r: int, times: Array, index: Array, share: Array, energy: Array) -> None:
     """On a parabola between lags: a straight line lies so far off that coherences of .999 come out as 1."""
     for i in range(index.size):
         t = times[i]
-        before, here, after = energies[index[i] - 1, t], energies[index[i], t], energies[index[i] + 1, t]
+        before, here, after = energies[index[i] - 1, r, t], energies[index[i], r, t], energies[index[i] + 1, r, t]
         parabola = here + share[i] / 2 * (after - before + share[i] * (after + before - 2 * here))
         # Of a single dark pixel it may undershoot.
         energy[i] = max(parabola, min(here, min(before, after)))

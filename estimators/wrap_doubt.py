@@ -14,7 +14,7 @@ from sim.band import Complex, Real
 from sim.compiled import compiled
 
 Times = NDArray[np.intp]
-Stack = tuple[Complex, Real]
+Stack = tuple[Complex, Real, int]
 
 NODES = 513
 """Coherences at which the share of a wrap is tabulated, evenly from 0 to 1."""
@@ -182,8 +182,8 @@ def _turns(imag: float, real: float) -> float:
 
 
 @compiled
-def _heights(products: Complex, energies: Real, times: Times, lags: Real, turns_a_lag: float) -> Real:
-    """Normalised heights of the passband peaks next to lags: there the product has the phase of the carrier.
+def _heights(products: Complex, energies: Real, row: int, times: Times, lags: Real, turns_a_lag: float) -> tuple[Real, Real]:
+    """Lags and normalised heights of the passband peaks next to lags: there the product has the phase of the carrier.
 
     That phase is read at the nearest whole lag, the height by the polynomial at the place it points to.
     """
@@ -191,31 +191,35 @@ def _heights(products: Complex, energies: Real, times: Times, lags: Real, turns_
     most = reach - STENCIL - 0.5
     index, share = np.empty(len(lags), np.intp), np.empty(len(lags))
     product, energy = np.empty(len(lags), np.complex128), np.empty(len(lags))
+    # One thing at a time, so that a loop does it to several pixels at once.
     for i in range(len(lags)):
+        index[i] = np.int32(math.floor(min(max(lags[i], -most), most) + 0.5)) + reach
+    for i in range(len(lags)):
+        product[i] = products[index[i], row, times[i]]
+    for i in range(len(lags)):
+        whole = float(index[i] - reach)
+        turns = _turns(product[i].imag, product[i].real) + turns_a_lag * whole
         lag = min(max(lags[i], -most), most)
-        whole = math.floor(lag + 0.5)
-        value = products[np.int32(whole) + reach, times[i]]
-        turns = _turns(value.imag, value.real) + turns_a_lag * whole
         lag = whole + (math.floor((lag - whole) * turns_a_lag + turns + 0.5) - turns) * wrap
         lag = min(max(lag, -most), most)
         whole = math.floor(lag + 0.5)
         index[i], share[i] = np.int32(whole) + reach, lag - whole
-    read_products(products, times, index, share, product)
-    read_energies(energies, times, index, share, energy)
+    read_products(products, row, times, index, share, product)
+    read_energies(energies, row, times, index, share, energy)
     for i in range(len(lags)):
         magnitude = math.sqrt(product[i].real * product[i].real + product[i].imag * product[i].imag)
-        share[i] = min(magnitude / energy[i], 1.0) if energy[i] > 0 else 0.0
-    return share
+        energy[i] = min(magnitude / energy[i], 1.0) if energy[i] > 0 else 0.0
+    return index - reach + share, energy
 
 
 @compiled
-def _may_exceed(products: Complex, energies: Real, time: int, lag: float, least: float) -> bool:
+def _may_exceed(products: Complex, energies: Real, row: int, time: int, lag: float, least: float) -> bool:
     """Whether the squared height next to a lag may exceed `least`, by a straight line between the two lags around it.
 
     Between lags a series of at least four samples in `1 / B` is higher by 8 % at the most, `1 / cos(pi / 8)`.
     """
     place = min(max(math.floor(lag) + len(products) // 2, 0), len(products) - 2)
-    before, after, energy = products[place, time], products[place + 1, time], energies[place, time]
+    before, after, energy = products[place, row, time], products[place + 1, row, time], energies[place, row, time]
     share = lag + len(products) // 2 - place
     line = (1 - share) * (before.real * before.real + before.imag * before.imag)
     line += share * (after.real * after.real + after.imag * after.imag)
@@ -227,20 +231,20 @@ def _doubts(products: Complex, energies: Real, delays: Real, heights: Real | Non
     """Delays in lags."""
     found = np.empty(delays.shape)
     for row in range(delays.shape[0]):
-        stack = products[:, row], energies[:, row]
+        stack = products, energies, row
         for begin in range(0, delays.shape[1], PIXELS):
             times = np.arange(begin, min(begin + PIXELS, delays.shape[1]))
             lags = delays[row, begin : begin + PIXELS]
             if heights is None:
-                height = _heights(*stack, times, lags, model.turns_a_lag)
+                peaks, height = _heights(*stack, times, lags, model.turns_a_lag)
             else:
-                height = heights[row, begin : begin + PIXELS]
-            found[row, begin : begin + PIXELS] = _doubts_at(stack, times, lags, height, model)
+                peaks, height = lags, heights[row, begin : begin + PIXELS]
+            found[row, begin : begin + PIXELS] = _doubts_at(stack, times, lags, peaks, height, model)
     return found
 
 
 @compiled
-def _doubts_at(stack: Stack, times: Times, delays: Real, heights: Real, model: Model) -> Real:
+def _doubts_at(stack: Stack, times: Times, delays: Real, peaks: Real, heights: Real, model: Model) -> Real:
     """Rivals are asked from the nearest on, and with care only where they may add `CARE` of what those have."""
     turns_a_lag, search, looks, which, tables = model
     masses, odds, least = np.empty(len(delays)), np.empty(len(delays)), np.empty(len(delays))
@@ -250,24 +254,27 @@ def _doubts_at(stack: Stack, times: Times, delays: Real, heights: Real, model: M
         others = max(2 * search * turns_a_lag - _part(delays[i], search, turns_a_lag), 0.0)
         odds[i] = others * math.exp(-masses[i])
     pixels, wrap = np.arange(len(delays)), 1 / turns_a_lag
+    steps = np.empty(len(delays))
     for side in (-1, 1):
-        _add(stack, times, pixels, delays + side * wrap, masses, model, odds)
+        steps[:] = side * wrap
+        _add(stack, times, pixels, steps, delays, peaks, masses, model, odds)
     for i in range(len(delays)):
         power = looks[which[times[i]]] - 1.5
         log_odds = math.log(CARE * odds[i] + 1e-300) + masses[i]
         least[i] = 1 - math.exp(min(-log_odds / power, 0.0)) if power > 0 else -1.0
-    count, lags = 0, np.empty(len(delays))
-    for i in np.flatnonzero(_rise(stack, times, delays, least, 1.5 * wrap) > 0):
+    count = 0
+    for i in np.flatnonzero(_rise(stack, times, peaks, least, 1.5 * wrap) > 0):
         most = math.floor((search + abs(delays[i])) * turns_a_lag + 0.5)
         for away in range(2, int(most) + 1):
-            for lag in (delays[i] - away * wrap, delays[i] + away * wrap):
-                if _part(lag, search, turns_a_lag) > 0 and _may_exceed(*stack, times[i], lag, least[i]):
-                    pixels[count], lags[count] = i, lag
+            for step in (-away * wrap, away * wrap):
+                within = _part(delays[i] + step, search, turns_a_lag) > 0
+                if within and _may_exceed(*stack, times[i], peaks[i] + step, least[i]):
+                    pixels[count], steps[count] = i, step
                     count += 1
-                    if count == len(lags):
-                        _add(stack, times, pixels, lags, masses, model, odds)
+                    if count == len(steps):
+                        _add(stack, times, pixels, steps, delays, peaks, masses, model, odds)
                         count = 0
-    _add(stack, times, pixels[:count], lags[:count], masses, model, odds)
+    _add(stack, times, pixels[:count], steps[:count], delays, peaks, masses, model, odds)
     for i in range(len(delays)):
         odds[i] /= odds[i] + 1 + math.exp(-masses[i])
     return odds
@@ -275,12 +282,12 @@ def _doubts_at(stack: Stack, times: Times, delays: Real, heights: Real, model: M
 
 @compiled
 def _rise(stack: Stack, times: Times, delays: Real, least: Real, away: float) -> Real:
-    products, energies = stack
+    products, energies, row = stack
     highest = np.full(len(delays), -1.0)
     reach = len(products) // 2
     begin, end = times[0], times[0] + len(times)
     for lag in range(-reach, reach + 1):
-        product, energy = products[lag + reach, begin:end], energies[lag + reach, begin:end]
+        product, energy = products[lag + reach, row, begin:end], energies[lag + reach, row, begin:end]
         for i in range(len(delays)):
             power = product[i].real * product[i].real + product[i].imag * product[i].imag
             rise = 1.18 * power - least[i] * energy[i] * energy[i]
@@ -290,14 +297,25 @@ def _rise(stack: Stack, times: Times, delays: Real, least: Real, away: float) ->
 
 
 @compiled
-def _add(stack: Stack, times: Times, pixels: Times, lags: Real, masses: Real, model: Model, odds: Real) -> None:
-    """To the odds of some pixels what rivals at these lags have where they correlate."""
-    looks, which, tables = model.looks, model.which, model.tables
-    heights = _heights(*stack, times[pixels], lags, model.turns_a_lag)
+def _add(
+    stack: Stack,
+    times: Times,
+    pixels: Times,
+    steps: Real,
+    delays: Real,
+    peaks: Real,
+    masses: Real,
+    model: Model,
+    odds: Real,
+) -> None:
+    """To the odds of some pixels what the rivals so many lags away have where they correlate."""
+    turns_a_lag, search, looks, which, tables = model
+    _, heights = _heights(*stack, times[pixels], peaks[pixels] + steps, turns_a_lag)
     for k in range(len(pixels)):
         i = pixels[k]
-        mass, part = _peak_mass(heights[k], looks, tables, which[times[i]]), _part(lags[k], model.search, model.turns_a_lag)
-        odds[i] += part * math.exp(min(mass - masses[i], 700.0)) if part > 0 else 0.0
+        mass = _peak_mass(heights[k], looks, tables, which[times[i]])
+        part = max(_part(delays[i] + steps[k], search, turns_a_lag), 0.0)
+        odds[i] += part * math.exp(min(mass - masses[i], 700.0))
 
 
 @compiled

@@ -50,7 +50,7 @@ def test_the_share_of_a_wrap_is_the_hypergeometric_function(looks):
     for node in (10, 300, 500, 510):
         c = node / 512
         exact = float(mpmath.log(1 + mpmath.hyp2f1(looks - 1, 0.5, 1, c * c)))
-        assert _log_share(c, looks, _mass_table(looks)) == pytest.approx(exact, abs=1e-4)
+        assert _log_share(c, np.array([looks]), _mass_table(looks)[None], 0) == pytest.approx(exact, abs=1e-4)
 
 
 def patch(looks, coherence, trials):

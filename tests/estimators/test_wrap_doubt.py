@@ -1,0 +1,70 @@
+"""The doubt of a wrap, read quickly, against every rival read in full."""
+
+import numpy as np
+import pytest
+from scipy.special import hyp2f1
+
+from estimators import FixedWindow
+from estimators.lag_product import lag_series
+from estimators.peak_kernels import STENCIL
+from estimators.wrap_doubt import CARE, wrap_doubt
+from sim import speckle_pair
+
+FC, B, RATE = 100e3, 30e3, 120e3
+LAGS = 8
+
+
+def read(stack, lag):
+    """Lags and heights of the passband peaks next to lags, shape (time,), by polynomials through nine lags."""
+    limit, turns_a_lag, time = stack.reach - STENCIL - 0.5, FC * stack.step, np.arange(lag.size)
+    lag = np.clip(lag, -limit, limit)
+    whole = np.rint(lag).astype(int)
+    turns = np.angle(stack.products[whole + stack.reach, 0, time]) / (2 * np.pi) + turns_a_lag * whole
+    # The nearest place where the turns of product and carrier together are whole.
+    place = whole + (np.rint(turns + turns_a_lag * (lag - whole)) - turns) / turns_a_lag
+    place = np.clip(place, -limit, limit)
+    near = np.rint(place).astype(int)
+    around = near + stack.reach + np.arange(-STENCIL, STENCIL + 1)[:, None]
+    exponents = np.arange(2 * STENCIL + 1)
+    powers = np.arange(-STENCIL, STENCIL + 1.0)[:, None] ** exponents
+    coefficients = np.linalg.solve(powers, stack.products[around, 0, time])
+    product = np.sum(coefficients * (place - near) ** exponents[:, None], axis=0)
+    before, here, after = (stack.energies[near + stack.reach + step, 0, time] for step in (-1, 0, 1))
+    share = place - near
+    energy = here + share / 2 * (after - before) + share**2 / 2 * (after + before - 2 * here)
+    energy = np.maximum(energy, np.minimum(here, np.minimum(before, after)))
+    return place, np.minimum(np.abs(product) / energy, 1.0)
+
+
+def share(height, looks):
+    """Of a wrap in the likelihood."""
+    return 1 + hyp2f1(looks - 1, 0.5, 1, np.minimum(height, 1 - 1e-9) ** 2)
+
+
+@pytest.mark.parametrize("coherence", [0.0, 0.5, 0.9, 0.99])
+@pytest.mark.parametrize("samples", [12, 64, 400])
+@pytest.mark.parametrize("at_peak", [True, False])
+def test_rivals_left_out_matter_little(samples, coherence, at_peak):
+    rng = np.random.default_rng([20261125, samples, round(100 * coherence)])
+    pair = speckle_pair(
+        (1, 3000), coherence=coherence, delay=3.2 / RATE, centre_frequency=FC, bandwidth=B, sample_rate=RATE, rng=rng
+    )
+    window = FixedWindow(1, samples)
+    reach = LAGS + STENCIL + 2
+    stack = lag_series(pair.primary, pair.secondary, window, 2, reach, RATE).stack()
+    looks, search = window.looks(pair), LAGS * stack.step
+    middle = np.abs(stack.products[reach - LAGS : reach + LAGS + 1]).argmax(axis=0)[0] - LAGS
+    lag = middle + 0.0 if at_peak else rng.uniform(-LAGS, LAGS, middle.size)
+    found = wrap_doubt(stack, lag[None] * stack.step, looks, FC, search)[0]
+
+    place, height = read(stack, lag)
+    wrap, odds = 1 / (FC * stack.step), np.zeros(lag.size)
+    for away in range(-20, 21):
+        part = np.minimum((LAGS - np.abs(lag + away * wrap)) / wrap + 0.5, 1.0) * (away != 0)
+        odds += np.maximum(part, 0.0) * share(read(stack, place + away * wrap)[1], looks) / share(height, looks)
+    plain = odds / (1 + odds)
+    # None of the rivals beyond the nearest two that is left out has more than `CARE` of those.
+    assert np.all(found <= (1 + 1e-3) * plain)
+    assert np.all(found >= (1 - 1e-3 - CARE * (2 * LAGS / wrap - 2)) * plain)
+    # The nearest ones alone are told better: most pixels need no others.
+    assert np.median(np.abs(found / plain - 1)) < 3e-4
