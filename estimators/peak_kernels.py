@@ -34,11 +34,12 @@ Array = NDArray[Any]
 @compiled
 def strongest(products: Array) -> NDArray[np.intp]:
     """Lag of the largest magnitude, the first of equal ones; from shape (lag, rows, time) to (rows, time)."""
-    index = np.zeros(products.shape[1:], np.intp)
-    for r in range(index.shape[0]):
-        highest = np.full(index.shape[1], -1.0)
-        for lag in range(len(products)):
-            for t in range(index.shape[1]):
+    lags, rows, times = products.shape
+    index = np.zeros((rows, times), np.intp)
+    for r in range(rows):
+        highest = np.full(times, -1.0)
+        for lag in range(lags):
+            for t in range(times):
                 power = _power(products[lag, r, t])
                 index[r, t] = lag if power > highest[t] else index[r, t]
                 highest[t] = max(power, highest[t])

@@ -16,7 +16,7 @@ from estimators.search import describe, read_at, search_peaks, search_range
 from estimators.uncertainty import small_window_std
 from estimators.windows import FixedWindow, VaryingWindow, Window, WindowPolicy
 from sim import EchoPair, checks
-from sim.band import Complex, Real
+from sim.band import Complex
 
 PEAKS: Mapping[str, Callable[[Complex], Index]] = MappingProxyType({"first": first_from_zero, "strongest": strongest})
 

@@ -7,7 +7,8 @@ from scipy.special import stdtrit
 
 from estimators import CrossCorrelation, FixedWindow, MaximumLikelihood, SplitSpectrum, bounds
 from estimators.posterior import GUESS, NORMAL_95, delay_std
-from estimators.wrap_doubt import _log_share, _mass_table
+from estimators.wrap_doubt import _mass_table
+from estimators.wrap_doubt_kernels import log_share
 from sim import speckle_pair
 
 FC, B = 100e3, 30e3
@@ -50,7 +51,7 @@ def test_the_share_of_a_wrap_is_the_hypergeometric_function(looks):
     for node in (10, 300, 500, 510):
         c = node / 512
         exact = float(mpmath.log(1 + mpmath.hyp2f1(looks - 1, 0.5, 1, c * c)))
-        assert _log_share(c, np.array([looks]), _mass_table(looks)[None], 0) == pytest.approx(exact, abs=1e-4)
+        assert log_share(c, np.array([looks]), _mass_table(looks)[None], 0) == pytest.approx(exact, abs=1e-4)
 
 
 def patch(looks, coherence, trials):
