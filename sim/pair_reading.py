@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sim import checks
 from sim.band import Real
 from sim.echo_pair import EchoPair
 from sim.geometry import Geometry
@@ -185,7 +186,7 @@ class PairFile:
 
     def _check_series(self) -> None:
         for name in NEEDED:
-            self._number(name)
+            checks.positive(name, self._number(name), "Hz")
         if self._shapes["primary"] != self._shapes["secondary"]:
             raise ValueError(
                 f"primary has the shape {self._shapes['primary']} and secondary {self._shapes['secondary']}; "
@@ -203,15 +204,15 @@ class PairFile:
             return
         if given.shape != (self.shape[axis],):
             raise ValueError(
-                f"{name} has the shape {given.shape}; it must be ({self.shape[axis]},), as the series have"
+                f"{name} has the shape {given.shape}; the series have {self.shape[axis]} there"
             )
         if step is None:
             return
         off = np.abs(given - given[0] - step * np.arange(given.size)).max()
         if not (step > 0 and off <= EVEN * step):
             raise ValueError(
-                f"{name} is up to {off / abs(step):.3g} steps off even ones of {step:g} {_units(name)}; it must rise "
-                f"evenly, within {EVEN:g}"
+                f"{name} is up to {off:.3g} {_units(name)} off even steps of {step:g} {_units(name)}; it must rise "
+                f"evenly, within {EVEN:g} steps"
             )
 
     def _check_units(self, name: str) -> None:
