@@ -203,9 +203,7 @@ class PairFile:
         if given is None:
             return
         if given.shape != (self.shape[axis],):
-            raise ValueError(
-                f"{name} has the shape {given.shape}; the series have {self.shape[axis]} there"
-            )
+            raise ValueError(f"{name} has the shape {given.shape}; the series have {self.shape[axis]} there")
         if step is None:
             return
         off = np.abs(given - given[0] - step * np.arange(given.size)).max()

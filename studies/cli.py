@@ -20,6 +20,7 @@ from sim import checks
 from studies import catalogue, engine, manifest, prediction, report, shards
 from studies.design import Point, methods
 from studies.estimate_file import estimate_file
+from studies.estimate_picture import estimate_picture
 from studies.progress import progress
 from studies.replay import one_block, one_trial
 from studies.scene_picture import scene_picture
@@ -229,8 +230,10 @@ def estimate(
         out = out or Path(f"{file.stem}-estimate.nc")
         options = {} if search is None else {"search": search}
         with progress(file.name, "rows") as show:
-            found = estimate_file(file, estimator, window, out, options=options, block=block, progress=show)
-        console.print(found, soft_wrap=True)
+            said = estimate_file(file, estimator, window, out, options=options, block=block, progress=show)
+        picture = out.with_suffix(".png")
+        estimate_picture(out).savefig(picture, dpi=110)
+        console.print(f"wrote {out} and {picture}: {said}", soft_wrap=True)
 
 
 def _show_plans(study: Study, design: list[Point]) -> None:

@@ -15,7 +15,6 @@ from estimators.depth import depth_map
 from sim import EchoPair, PairFile, checks, open_pair
 from sim.band import Real
 from sim.pair_layout import xarray_with_h5netcdf
-from studies.estimate_picture import estimate_picture
 from studies.method import EstimatorSection, Method, Option
 from studies.progress import Show
 
@@ -68,7 +67,7 @@ def estimate_file(
     block: int | None = None,
     progress: Show = lambda done, total: None,
 ) -> str:
-    """Estimate the delays of a pair in a file, and its depths where it has a geometry; draw them beside.
+    """Estimate the delays of a pair in a file, and its depths where it has a geometry, into another file.
 
     Rows are read, estimated and written in blocks of whole windows, with a window of rows around each: as moving sums
     group the same rows, the file has the same bits whatever the block. An estimator of one's own must not look further
@@ -83,7 +82,7 @@ def estimate_file(
     window
         `ROWSxSAMPLES`.
     out
-        NetCDF file for the estimates; the picture has its name with `.png`. It is there when all of it is written.
+        NetCDF file for the estimates; it is there when all of it is written.
     options
         Of the estimator.
     block
@@ -94,7 +93,7 @@ def estimate_file(
     Returns
     -------
     str
-        What was written, in one line.
+        How much there was, was valid and was missing.
 
     Raises
     ------
@@ -127,12 +126,8 @@ def estimate_file(
             if bad == pixels:
                 raise ValueError("no sample is finite; some must be")
             variables["valid"].attrs["missing_share"] = bad / pixels
-    picture = out.with_suffix(".png")
-    estimate_picture(out).savefig(picture, dpi=110)
-    return (
-        f"wrote {out} and {picture}: {file.shape[0]} x {file.shape[1]} pixels, {_share(valid / pixels)} valid, "
-        f"{_share(bad / pixels)} of samples NaN"
-    )
+    rows, samples = file.shape
+    return f"{rows} x {samples} pixels, {_share(valid / pixels)} valid, {_share(bad / pixels)} of samples NaN"
 
 
 def _window(text: str) -> FixedWindow:
