@@ -176,12 +176,12 @@ class PairFile:
     def _series(self, name: str, chosen: slice) -> NDArray[Any]:
         parts = [self.stored[part] for part in self._parts(name)]
         values = [np.asarray(part[chosen]) if part.ndim == 2 else np.asarray(part)[None][chosen] for part in parts]
+        # Native single or double precision, whatever the file has.
+        kind = np.complex64 if np.result_type(np.complex64, *values).itemsize == 8 else np.complex128
         if len(values) == 1:
-            return values[0]
-        real, imag = values
-        kind = np.result_type(np.complex64, real.dtype, imag.dtype)
-        series = np.empty(real.shape, dtype=kind)
-        series.real, series.imag = real, imag
+            return values[0].astype(kind, copy=False)
+        series = np.empty(values[0].shape, dtype=kind)
+        series.real, series.imag = values
         return series
 
     def _check_series(self) -> None:
@@ -221,7 +221,12 @@ class PairFile:
             raise ValueError(f"{name} is in {given}; it must be in {known}")
 
     def _axis(self, name: str) -> Real | None:
-        return np.asarray(self.stored[name], dtype=float) if name in self.stored else None
+        if name not in self.stored:
+            return None
+        given = np.asarray(self.stored[name])
+        if given.dtype.kind not in "iuf":
+            raise ValueError(f"{name} is of type {given.dtype}; it must be of real numbers")
+        return given.astype(float)
 
     def _number(self, name: str) -> float:
         if name not in self.stored:

@@ -312,7 +312,7 @@ def _one_line_errors() -> Iterator[None]:
         print(f"twinecho: {said}", file=sys.stderr)
         raise typer.Exit(2) from None
     except KeyboardInterrupt:
-        print("twinecho: stopped; what is finished is stored, and the same command goes on", file=sys.stderr)
+        print("twinecho: stopped; what is finished of a run is stored, and the same command goes on", file=sys.stderr)
         raise typer.Exit(130) from None
 
 

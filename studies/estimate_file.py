@@ -10,12 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators import Estimator, FixedWindow
+from estimators import DelayEstimate, Estimator, FixedWindow
 from estimators.depth import depth_map
 from sim import EchoPair, PairFile, checks, open_pair
 from sim.band import Real
 from sim.pair_layout import xarray_with_h5netcdf
 from studies.method import EstimatorSection, Method, Option
+from studies.named import words_of
 from studies.progress import Show
 
 BLOCK_SAMPLES = 2**20
@@ -158,7 +159,7 @@ def _estimated(
 
 
 def _fields(pair: EchoPair, estimator: Estimator, window: FixedWindow) -> Iterator[tuple[str, NDArray[Any]]]:
-    estimate = estimator.estimate(pair)
+    estimate = _estimate(pair, estimator)
     # An estimator of one's own may not ask for what is missing.
     inside = window.inside(pair)
     valid = estimate.valid & inside
@@ -173,6 +174,15 @@ def _fields(pair: EchoPair, estimator: Estimator, window: FixedWindow) -> Iterat
         yield "ground_range", depths.ground_range
         valid = valid & depths.valid
     yield "valid", valid
+
+
+def _estimate(pair: EchoPair, estimator: Estimator) -> DelayEstimate:
+    try:
+        return estimator.estimate(pair)
+    except (ValueError, MemoryError):
+        raise
+    except Exception as error:  # One's own may do anything.
+        raise ValueError(f"{type(estimator).__name__} failed: {words_of(error)}") from None
 
 
 def _decibels(pair: EchoPair) -> Real:

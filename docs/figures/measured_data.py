@@ -37,7 +37,7 @@ def main():
     above.set_ylabel("along track [m]")
     above.set_title("Depth estimated from the file, in blocks of 32 rows; grey: not valid or doubted", loc="left")
     figure.colorbar(shown, ax=above, label="depth below the sonar [m]", pad=0.01)
-    row = 75
+    row = 64
     here, std = depth[row], 1.96 * found.depth_std[row]
     below.fill_between(millis, here - std, here + std, color="#56b4e9", label="95 % interval", linewidth=0)
     below.plot(millis, here, color="black", linewidth=0.8, label="estimate")

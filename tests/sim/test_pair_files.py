@@ -109,6 +109,15 @@ def test_npz_compressed_and_by_columns(tmp_path):
             np.testing.assert_array_equal(file.rows(slice(2, 4)).primary, values["primary"][2:4])
 
 
+@pytest.mark.parametrize("dtype", [">c16", ">c8", np.clongdouble])
+def test_other_numbers_become_native_ones(dtype, tmp_path):
+    values = arrays()
+    np.savez(tmp_path / "pair.npz", **{**values, "primary": values["primary"].astype(dtype)})
+    read = read_pair(tmp_path / "pair.npz").primary
+    assert read.dtype == (np.complex64 if dtype == ">c8" else np.complex128)
+    np.testing.assert_array_equal(read, values["primary"].astype(read.dtype))
+
+
 def test_a_vector_is_a_row_and_places_may_be_unknown(tmp_path):
     values = {name: value for name, value in arrays(1).items() if name in ("sample_rate", "centre_frequency")}
     series = noise((50,))
@@ -193,6 +202,7 @@ def given(**changed):
             given(along_track=np.array([0.0, 1.0, 5.0, 6.0])),
             "along_track is up to 1 m off even steps of 2 m",
         ),
+        (given(time=np.full(50, 1j)), "time is of type complex128; it must be of real numbers"),
         (given(along_track=np.zeros(4)), "along_track is up to 0 m off even steps of 0 m; it must rise"),
         (given(altitude=-1.0), "altitude is -1 m; it must be above 0 m"),
         (given(primary=np.full((4, 50), np.nan + 0j)), "no sample is finite; some must be"),

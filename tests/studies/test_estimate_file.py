@@ -1,4 +1,5 @@
 import re
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -129,6 +130,16 @@ def test_the_file_says_what_it_holds(folder, tmp_path):
     assert width > 1000
 
 
+BROKEN = """
+class Broken:
+    def __init__(self, window):
+        pass
+
+    def estimate(self, pair):
+        return 1 / 0
+"""
+
+
 def test_without_a_geometry_there_is_no_depth(tmp_path):
     shape, rates = (12, 64), {"centre_frequency": 100e3, "bandwidth": 30e3, "sample_rate": 40e3}
     pair = speckle_pair(shape, coherence=0.99, delay=2e-6, **rates, rng=np.random.default_rng(2))
@@ -161,6 +172,11 @@ def test_no_more_than_a_block_is_read_at_a_time(folder, tmp_path, monkeypatch):
         (["good.npz", "--window", "0x9"], "rows of the window is 0; it must be a whole number of at least 1"),
         (["good.npz", "--window", "99x9"], "good.npz: the window has 99 rows; the pair has 12, and it must not"),
         (["good.npz", "--estimator", "Cross"], "method is 'Cross'; it must be module:object, or one of "),
+        (["good.npz", "--estimator", "my_broken:Broken"], "good.npz: Broken failed: ZeroDivisionError: "),
+        (
+            ["good.npz", "--estimator", "my_broken:nothing"],
+            "method is 'my_broken:nothing'; it must be an object that can",
+        ),
         (["good.npz", "--search", "-1"], "good.npz: search is -1 s; it must be above 0 s"),
         (["good.npz", "--search", "1"], "good.npz: search is 1 s; it must not exceed half the record"),
         (["good.npz", "--block", "0"], "good.npz: block is 0; it must be a whole number of at least 1"),
@@ -176,6 +192,9 @@ def test_bad_input_is_one_line_and_status_2(arguments, message, tmp_path, monkey
     np.savez("nan.npz", primary=np.nan * good, secondary=good, **rates)
     np.savez("bare.npz", primary=good, secondary=good)
     (tmp_path / "text.nc").write_text("hello")
+    (tmp_path / "my_broken.py").write_text(BROKEN)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
     before = set(tmp_path.iterdir())
     found = command(*arguments)
     assert found.exit_code == 2, found.output
