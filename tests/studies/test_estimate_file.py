@@ -61,8 +61,8 @@ def test_a_simulated_seabed_comes_back(simulated, folder, tmp_path):
     assert found.valid.to_numpy()[kept].mean() > 0.999
     error = found.depth - (sonar.altitude - np.atleast_2d(truth.height))
     score = (error / found.depth_std).to_numpy()[kept & (found.valid.to_numpy() == 1)]
-    # 95 % intervals cover 93 to 97 % of errors (README): errors have .90 to 1.08 of the predicted spread. A mean square of
-    # as many independent windows as hold all pixels has 4.9 standard errors more, for a false-alarm rate of 1e-6.
+    # 95 % intervals cover 93 to 97 % of errors (README): errors have .90 to 1.08 of the predicted spread; 4.9 standard
+    # errors of a mean square of as many independent windows as hold all pixels, for a false-alarm rate of 1e-6.
     chance = 4.9 * np.sqrt(2 / (score.size / (5 * 9)))
     assert 0.90**2 - chance < np.mean(score**2) < 1.08**2 + chance
     # The file gives what the pair gives in memory, to the last bit.
