@@ -40,7 +40,8 @@ class DelayEstimate:
         0 (worthless) to 1: the probability that the wrap is right. Of the metrics of `estimators.quality` it tells
         wrong wraps best.
     valid
-        Where the window lay inside the record, held any echo, and the search ended inside its range.
+        Where the window lay inside the record, held an echo and came near no missing sample, and the search ended
+        inside its range.
     """
 
     delay: Real

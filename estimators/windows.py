@@ -64,9 +64,18 @@ class FixedWindow:
         return window_sum(array, self.rows, self.samples, circular=True)
 
     def inside(self, pair: EchoPair) -> NDArray[np.bool_]:
-        """Where the window lies within the pair; shape (rows, time)."""
+        """Where the window lies within the pair and a resolution cell or more from missing samples; shape (rows, time).
+
+        As echoes half a delay to either side are read, that leaves room for delays of up to `2 / B`.
+        """
         rows, samples = (_fits(available, size) for available, size in zip(pair.shape, self.extent, strict=True))
-        return rows[:, None] & (samples | pair.circular)[None, :]
+        inside: NDArray[np.bool_] = rows[:, None] & (samples | pair.circular)[None, :]
+        if pair.missing is None:
+            return inside
+        cell = int(np.ceil(pair.sample_rate / pair.bandwidth))
+        reach = min(self.samples + 2 * cell, pair.shape[1]) if pair.circular else self.samples + 2 * cell
+        near = window_sum(pair.missing.astype(float), self.rows, reach, circular=pair.circular) > 0
+        return np.logical_and(inside, ~near)
 
     def looks(self, pair: EchoPair) -> float:
         """Equivalent independent looks in the window, for flat bands along track and in time.
@@ -160,7 +169,7 @@ class VaryingWindow:
         return window_sum(array, rows, samples, circular=True)
 
     def inside(self, pair: EchoPair) -> NDArray[np.bool_]:
-        """Where the window lies within the pair; shape (rows, time)."""
+        """Where the window lies within the pair and away from missing samples; shape (rows, time)."""
         inside = np.empty(pair.shape, dtype=np.bool_)
         for window, at in self._by_size():
             inside[:, at] = window.inside(pair)[:, at]

@@ -7,6 +7,8 @@ from sim.coherence import CoherenceTerms, coherence_terms, expected_coherence
 from sim.echo_pair import EchoPair, Truth
 from sim.features import Box, Feature, Slope, Step, TrawlMark, Wedge
 from sim.geometry import Geometry
+from sim.pair_reading import PairFile, open_pair, read_pair
+from sim.pair_writing import write_pair
 from sim.plan import Decision, Plan, plan
 from sim.rare_errors import DelayErrors, PhaseErrors, SubBandErrors
 from sim.rare_speckle import rare_speckle_pair
@@ -39,6 +41,7 @@ __all__ = [
     "Geometry",
     "HeightMap",
     "Noise",
+    "PairFile",
     "PhaseErrors",
     "Plan",
     "PointTarget",
@@ -65,12 +68,15 @@ __all__ = [
     "coherence_terms",
     "echo_blocks",
     "expected_coherence",
+    "open_pair",
     "plan",
     "rare_speckle_pair",
+    "read_pair",
     "reflection_loss",
     "scattering_strength",
     "simulate",
     "snr",
     "sonar_equation",
     "speckle_pair",
+    "write_pair",
 ]

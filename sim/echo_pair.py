@@ -81,6 +81,9 @@ class EchoPair:
     row_looks
         Independent looks in a row among many, above 0 to 1: `row_spacing` over the along-track resolution where rows
         stand closer than that.
+    missing
+        Where a receiver recorded nothing that can be used, and both series hold zeros; shape (rows, time). No estimate
+        is valid whose window comes near. None where nothing is missing.
 
     Raises
     ------
@@ -99,6 +102,7 @@ class EchoPair:
     likelihood_ratio: Real | None = None
     row_spacing: float | None = None
     row_looks: float = 1.0
+    missing: NDArray[np.bool_] | None = None
 
     def __post_init__(self) -> None:
         for name in ("primary", "secondary"):
@@ -131,6 +135,13 @@ class EchoPair:
             raise ValueError(f"row_looks is {self.row_looks:g}; it must be above 0 and at most 1")
         if self.likelihood_ratio is not None:
             object.__setattr__(self, "likelihood_ratio", self._checked_ratio(self.likelihood_ratio))
+        if self.missing is not None:
+            missing = np.atleast_2d(np.asarray(self.missing))
+            if missing.shape != self.shape or missing.dtype != np.bool_:
+                raise ValueError(
+                    f"missing has the shape {missing.shape} and type {missing.dtype}; it must be {self.shape} and bool"
+                )
+            object.__setattr__(self, "missing", missing)
 
     def _checked_ratio(self, likelihood_ratio: Real) -> Real:
         ratio = np.asarray(likelihood_ratio, dtype=float)
@@ -158,6 +169,7 @@ class EchoPair:
             secondary=self.secondary[chosen],
             truth=None if self.truth is None else self.truth.rows(chosen),
             likelihood_ratio=None if self.likelihood_ratio is None else self.likelihood_ratio[chosen],
+            missing=None if self.missing is None else self.missing[chosen],
         )
 
     @property

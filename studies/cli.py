@@ -8,19 +8,20 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import chain, count
 from pathlib import Path
-from time import perf_counter
 from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from estimators.pixels import Pixels
 from sim import checks
 from studies import catalogue, engine, manifest, prediction, report, shards
 from studies.design import Point, methods
+from studies.estimate_file import estimate_file
+from studies.estimate_picture import estimate_picture
+from studies.progress import progress
 from studies.replay import one_block, one_trial
 from studies.scene_picture import scene_picture
 from studies.status import status as status_of
@@ -113,7 +114,8 @@ def run(
         for study in studies:
             name = study.name if share.of == 1 else f"{study.name}-shard-{share.number}-of-{share.of}"
             folder = _free(out / name) if fresh else out / name
-            _run_with_progress(study, how, folder)
+            with progress(study.name, "blocks") as show:
+                engine.run(study, how, folder, show)
             _report(folder)
 
 
@@ -214,6 +216,26 @@ def predict(
         console.print(f"{out / 'table.csv'}\n{out / 'figure.png'}", soft_wrap=True)
 
 
+@app.command()
+def estimate(
+    file: Annotated[Path, typer.Argument(help="A pair in netCDF, HDF5 or npz (docs/measured-data.md).")],
+    estimator: Annotated[str, typer.Option(help="A class of estimators, or module:object.")] = "CrossCorrelation",
+    window: Annotated[str, typer.Option(help="What to average over, as ROWSxSAMPLES.")] = "9x9",
+    search: Annotated[float | None, typer.Option(help="Largest delay to look for [s].")] = None,
+    out: Annotated[Path | None, typer.Option(help="File for the estimates; FILE-estimate.nc here by default.")] = None,
+    block: Annotated[int | None, typer.Option(help="Rows at a time, rounded up to whole windows.")] = None,
+) -> None:
+    """Estimate delays of a measured pair, and depths where the file places it: OUT.nc, and OUT.png to look at."""
+    with _one_line_errors():
+        out = out or Path(f"{file.stem}-estimate.nc")
+        options = {} if search is None else {"search": search}
+        with progress(file.name, "rows") as show:
+            said = estimate_file(file, estimator, window, out, options=options, block=block, progress=show)
+        picture = out.with_suffix(".png")
+        estimate_picture(out).savefig(picture, dpi=110)
+        console.print(f"wrote {out} and {picture}: {said}", soft_wrap=True)
+
+
 def _show_plans(study: Study, design: list[Point]) -> None:
     """The plan of every scene of a study, once for points of the same."""
     seen: list[str] = []
@@ -264,40 +286,6 @@ def _free(folder: Path) -> Path:
     return next(path for path in chain([folder], numbered) if not path.exists())
 
 
-def _run_with_progress(study: Study, how: engine.Run, folder: Path) -> None:
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
-    )
-    terminal = Console(stderr=True)
-    if not terminal.is_terminal:
-        engine.run(study, how, folder, _Lines(study.name))
-        return
-    with Progress(*columns, console=terminal) as bar:
-        task = bar.add_task(study.name)
-        engine.run(study, how, folder, lambda done, total: bar.update(task, completed=done, total=total))
-
-
-class _Lines:
-    """Progress as a plain line for each tenth of the blocks or 20 s, with the time that the rest will take."""
-
-    def __init__(self, name: str) -> None:
-        self.name, self.start, self.first, self.shown = name, perf_counter(), -1, (-1, -1, -1)
-
-    def __call__(self, done: int, total: int) -> None:
-        seconds = perf_counter() - self.start
-        reached = 10 * done // max(total, 1), total, int(seconds // 20)
-        self.first = done if self.first < 0 else self.first
-        if reached == self.shown:
-            return
-        self.shown = reached
-        left = f", {seconds * (total - done) / (done - self.first):.0f} s left" if done > self.first else ""
-        print(f"{self.name}: {done} of {total} blocks in {seconds:.0f} s{left}", file=sys.stderr, flush=True)
-
-
 def _report(folder: Path) -> None:
     """Write what a folder's blocks give; show a short table and the paths."""
     study, seed = manifest.study_of(folder)
@@ -319,12 +307,12 @@ def _report(folder: Path) -> None:
 def _one_line_errors() -> Iterator[None]:
     try:
         yield
-    except (ValueError, OSError, OverflowError, MemoryError, RecursionError) as error:
+    except (ValueError, OSError, ImportError, OverflowError, MemoryError, RecursionError) as error:
         said = " ".join(str(error).split()) or f"{type(error).__name__}: a value is too large"
         print(f"twinecho: {said}", file=sys.stderr)
         raise typer.Exit(2) from None
     except KeyboardInterrupt:
-        print("twinecho: stopped; what is finished is stored, and the same command goes on", file=sys.stderr)
+        print("twinecho: stopped; what is finished of a run is stored, and the same command goes on", file=sys.stderr)
         raise typer.Exit(130) from None
 
 

@@ -1,11 +1,13 @@
 """What the docs show, run."""
 
+import contextlib
 import re
 import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from typer.testing import CliRunner
 
 from estimators import FixedWindow, conformance
@@ -97,6 +99,9 @@ def place(tmp_path_factory):
     (scene,) = (example for example in examples if example.startswith('name = "trawl-marks"'))
     for name, example in (("my-study.toml", examples[0]), ("my-scene.toml", scene)):
         (folder / name).write_text(example)
+    (code,) = (code for _, code in found_in("python") if "write_pair" in code)
+    with contextlib.chdir(folder):
+        exec(code, {})
     return folder
 
 
@@ -112,3 +117,10 @@ def test_commands_do_what_they_say(place, monkeypatch):
             words += [*small, "--jobs", "1"]
         found = CliRunner().invoke(app, words)
         assert found.exit_code == 0, (line, found.output)
+    for name in ("pair-estimate", "ml"):
+        with xr.open_dataset(f"{name}.nc", engine="h5netcdf") as estimates:
+            floor = estimates.depth.where((estimates.valid == 1) & (estimates.wrap_error_probability < 1e-3))
+            # A floor 15 m below the sonar, and on it a box of 1 m.
+            assert abs(float(floor.median()) - 15.0) < 0.05
+            assert abs(float(floor.quantile(0.05)) - 14.0) < 0.1
+        assert Path(f"{name}.png").stat().st_size > 20_000

@@ -190,3 +190,24 @@ def test_the_phase_lies_in_its_interval(make_patch, method):
     phase = method(FixedWindow(1, 9)).estimate(opposed).phase
     assert np.all(phase > -np.pi)
     assert np.all(phase <= np.pi)
+
+
+@method
+@pytest.mark.parametrize("circular", [True, False])
+def test_no_window_near_missing_samples_is_valid(make_patch, method, circular):
+    pair = make_patch(7, 80, coherence=0.99, circular=circular)
+    for rows, samples in ((slice(3, 4), slice(30, 36)), (slice(None), slice(None))):
+        missing = np.zeros(pair.shape, dtype=bool)
+        missing[rows, samples] = True
+        series = {name: np.where(missing, 0, getattr(pair, name)) for name in ("primary", "secondary")}
+        found = method(FixedWindow(3, 9)).estimate(replace(pair, **series, missing=missing))
+        near = np.zeros(pair.shape, dtype=bool)
+        if rows.start is None:
+            near[:] = True
+        else:
+            # Half of 3 rows and of 9 samples, and the 2 samples of a resolution cell, to either side.
+            near[2:5, 24:42] = True
+        assert not found.valid[near].any()
+        assert rows.start is None or found.valid[:, 50:70].any()
+        for name in ("delay", "delay_std", *SHARES):
+            assert np.isfinite(getattr(found, name)[found.valid]).all()
