@@ -150,7 +150,8 @@ def read_at(pair: EchoPair, window: Window, delay: Real, lags_per_resolution: in
             return peak
         return peak._replace(doubt=wrap_doubt(stack, near, looks, pair.centre_frequency, search))
 
-    return over_lags(pair, window, reach, lags_per_resolution, 0.0, read, delay)
+    beyond = 0.0 if search is None else 0.5
+    return over_lags(pair, window, reach, lags_per_resolution, beyond, read, delay)
 
 
 def by_rows(

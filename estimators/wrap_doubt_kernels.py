@@ -90,7 +90,8 @@ def _heights(
     That phase is read at the nearest whole lag, the height by the polynomial at the place it points to.
     """
     reach, wrap = len(products) // 2, 1 / turns_a_lag
-    most = reach - STENCIL - 0.5
+    # Short of half a lag, so that it is rounded inwards at either end.
+    most = reach - STENCIL - 0.501
     index, share = np.empty(len(lags), np.intp), np.empty(len(lags))
     product, energy = np.empty(len(lags), np.complex128), np.empty(len(lags))
     # One thing at a time, so that a loop does it to several pixels at once.
@@ -121,7 +122,9 @@ def _may_exceed(products: Complex, energies: Real, row: int, time: int, lag: flo
     Between lags a series of at least four samples in `1 / B` is higher by 8 % at the most, `1 / cos(pi / 8)`.
     """
     place = min(max(math.floor(lag) + len(products) // 2, 0), len(products) - 2)
-    before, after, energy = products[place, row, time], products[place + 1, row, time], energies[place, row, time]
+    before, after = products[place, row, time], products[place + 1, row, time]
+    # The same with the receivers swapped.
+    energy = min(energies[place, row, time], energies[place + 1, row, time])
     share = lag + len(products) // 2 - place
     line = (1 - share) * (before.real * before.real + before.imag * before.imag)
     line += share * (after.real * after.real + after.imag * after.imag)

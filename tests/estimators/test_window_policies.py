@@ -286,7 +286,7 @@ def test_estimators_built_on_a_policy_have_no_findings(estimator):
         (lambda: MeasuredCoherence(1, 1), "the first window is 1x1; it must have more pixels than one"),
         (lambda: KnownCoherence(1.5), "coherence is 1.5; it must lie between 0 and 1"),
         (lambda: KnownCoherence([0.5, 0.4]), "coherence has 2 values and ground_range 1; it must be as many"),
-        (lambda: KnownCoherence([0.5, 0.4], [2.0, 1.0]), "ground_range is [2. 1.]; it must rise"),
+        (lambda: KnownCoherence([0.5, 0.4], [2.0, 1.0]), "ground_range has 1 m behind 2 m; it must rise"),
         (
             lambda: AdaptiveWindow(2.0).on(patch(0.5, 3, 20)),
             "the pair has no geometry; it must have one, or AdaptiveWindow be given geometry=",

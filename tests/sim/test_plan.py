@@ -122,7 +122,7 @@ def test_a_warp_of_a_scene_with_layover_is_refused():
 @st.composite
 def gentle_or_not(draw):
     kind = draw(st.sampled_from(["slope", "mark", "wedge", "rough"]))
-    size = draw(st.floats(0.01, 3.0))
+    size = draw(st.floats(0.01, 2.8))
     if kind == "slope":
         return Slope(30.0, 10.0, draw(st.sampled_from([-1, 1])) * 5 * size)
     if kind == "mark":
