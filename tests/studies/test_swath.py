@@ -27,7 +27,8 @@ from sim import (
 from studies import engine, manifest, report
 from studies.design import points
 from studies.study import load
-from studies.swath import Swath, clear
+from studies.scene_readings import clear
+from studies.swath import Swath
 
 GOOD = """
 name = "mine"
