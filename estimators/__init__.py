@@ -4,6 +4,7 @@ from estimators import bounds, conformance
 from estimators.cross_correlation import CrossCorrelation
 from estimators.depth import DepthMap, depth_map
 from estimators.estimate import DelayEstimate, Estimator
+from estimators.in_pieces import CrossCorrelationInPieces
 from estimators.interferogram import Interferogram
 from estimators.maximum_likelihood import MaximumLikelihood
 from estimators.multi_chromatic import MultiChromatic
@@ -21,6 +22,7 @@ __all__ = [
     "ConstantStdWindow",
     "Coverage",
     "CrossCorrelation",
+    "CrossCorrelationInPieces",
     "DelayEstimate",
     "DepthMap",
     "Estimator",

@@ -23,11 +23,14 @@ class Cells:
         The row and the sample in the middle of each row and column of cells.
     size
         Rows and samples of a cell.
+    row_extent
+        Of a row of cells along track [m].
     """
 
     rows: NDArray[np.intp]
     columns: NDArray[np.intp]
     size: tuple[int, int]
+    row_extent: float
 
     @classmethod
     def of(cls, pair: EchoPair, ends: tuple[float, float], overlap: int) -> "Cells":
@@ -40,7 +43,7 @@ class Cells:
         ground = pair.geometry.ground_range(pair.grid.times)[columns]
         within = (ground >= ends[0]) & (ground < ends[1])
         size = max(own // len(rows), 1), max(pair.shape[1] // len(columns), 1)
-        return cls(overlap + rows, columns[within], size)
+        return cls(overlap + rows, columns[within], size, own * pair.row_spacing / len(rows))
 
     def middles(self, array: Real) -> Real:
         """An array of the shape of the pair in the middle of each cell, shape (row, column)."""

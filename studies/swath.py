@@ -174,7 +174,7 @@ class Swath(Section):
     def traces(self, pair: EchoPair) -> dict[str, Real]:
         """Slant range [m], and the true delays of all parts heard in the first row [s].
 
-        Of blocks that go on, images of their own rows: ground range [m] of the columns; intensity, in parts of that of
+        Of blocks that go on, images of their own rows: extent of the rows and ground range of the columns [m]; intensity, in parts of that of
         the noise or of the floor; and true height [m].
         """
         truth, geometry = pair.truth, pair.geometry
@@ -185,6 +185,7 @@ class Swath(Section):
             assert truth.height is not None
             cells = self._cells(pair)
             return {
+                "row extent": np.array([cells.row_extent]),
                 "ground range": geometry.ground_range(pair.grid.times)[cells.columns],
                 "intensity": cells.mean(np.abs(pair.primary) ** 2),
                 "truth": cells.middles(np.broadcast_to(truth.height, pair.shape)),

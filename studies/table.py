@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 
 from estimators import bounds
-from estimators.uncertainty import debiased_coherence
 from studies import statistics
 from studies.design import Point
 from studies.measure import FACTS
@@ -87,7 +86,7 @@ def with_depths(table: pd.DataFrame) -> pd.DataFrame:
     per_delay, looks = table.depth_per_delay, table.looks.to_numpy(dtype=float)
     per_radian = (per_delay * table.wrap / (2 * np.pi)).to_numpy(dtype=float)
     sample = table.sample_coherence.to_numpy(dtype=float)
-    debiased = debiased_coherence(sample, looks)
+    debiased = np.nan_to_num(bounds.debias_coherence(sample, looks))
     coherences = {"depth_crlb": table.coherence, "depth_crlb_sample": sample, "depth_crlb_debiased": debiased}
     spreads = ("delay_std_in_wrap", "delay_std_in_wrap_se", "delay_std_total", "delay_std_total_se")
     return table.assign(
