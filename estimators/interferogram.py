@@ -1,6 +1,6 @@
 """The interferogram: phase at zero lag, without a search for the wrap."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.special import ndtr
@@ -8,13 +8,13 @@ from scipy.special import ndtr
 from estimators import bounds
 from estimators.estimate import DelayEstimate
 from estimators.interference import interferogram_with_energy
-from estimators.lag_product import power
+from estimators.lag_product import power, scale_of
+from estimators.moving_sum import product_sum, window_sum
 from estimators.peak import Peak
-from estimators.search import by_rows, describe
-from estimators.uncertainty import debiased_coherence
+from estimators.search import describe
 from estimators.windows import FixedWindow, Window, WindowPolicy
 from sim import EchoPair
-from sim.band import Complex
+from sim.band import Complex, Real
 
 
 def zero_lag(primary: Complex, secondary: Complex, window: Window) -> Peak:
@@ -50,18 +50,28 @@ class Interferogram:
         """
         window = self.window.on(pair)
         window.check(pair)
-        estimate = describe(pair, window, _peak(pair, window), refine=True, search=0.5 / pair.centre_frequency)
         looks = window.looks(pair)
-        std = bounds.phase_crlb(looks, debiased_coherence(estimate.coherence, looks))
-        to_edge = np.pi - np.abs(estimate.phase)
-        crossing = np.where(std > 0, ndtr(-to_edge / np.maximum(std, 1e-300)), 0.0)
-        return replace(estimate, wrap_error_probability=np.minimum(crossing, 0.5))
+
+        def crossing(coherence: Real, phase: Real) -> Real:
+            std, to_edge = bounds.phase_crlb(looks, coherence), np.pi - np.abs(phase)
+            over: Real = np.where(std > 0, ndtr(-to_edge / np.maximum(std, 1e-300)), 0.0)
+            return np.minimum(over, 0.5)
+
+        search = 0.5 / pair.centre_frequency
+        return describe(pair, window, at_zero_lag(pair, window), refine=True, search=search, wrong=crossing)
 
 
-def _peak(pair: EchoPair, window: Window) -> Peak:
+def at_zero_lag(pair: EchoPair, window: Window) -> Peak:
+    """Windowed product of the series of a pair at zero delay, and its energy, on a scale near 1."""
     if isinstance(window, FixedWindow):
         product, energy = interferogram_with_energy(
             pair.primary, pair.secondary, window.rows, window.samples, circular=pair.circular
         )
-        return Peak(np.zeros(()), product, energy, np.ones((), dtype=np.bool_))
-    return by_rows(pair, window, 0, 64, lambda p, s: zero_lag(p, s, window).spread())
+    else:
+        sizes = window.rows, window.samples
+        p, s = (np.asarray(series * scale_of(series), np.complex128) for series in (pair.primary, pair.secondary))
+        product = product_sum(p, s, *sizes, circular=pair.circular)
+        # Both energies as one complex sum.
+        energies = window_sum(power(p) + 1j * power(s), *sizes, circular=pair.circular)
+        energy = np.sqrt(energies.real * energies.imag)
+    return Peak(np.zeros(()), product, energy, np.ones((), dtype=np.bool_))

@@ -187,6 +187,7 @@ def describe(
     refine: bool,
     search: float,
     wrap_errors: WrapErrors = bounds.wrap_error_probability,
+    wrong: Callable[[Real, Real], Real] | None = None,
 ) -> DelayEstimate:
     """Turn peaks into estimates: residual phase, coherence, uncertainty, validity.
 
@@ -202,6 +203,8 @@ def describe(
         Largest delay that was looked for [s].
     wrap_errors
         Predicts the wrap errors of the method.
+    wrong
+        Gives their probability from debiased coherence and phase instead.
     """
     magnitude = np.abs(peak.product)
     has_echo = peak.energy > 0
@@ -215,18 +218,20 @@ def describe(
     )
     energy = peak.energy / window.pixels
     brightness = np.divide(energy, energy + energy.mean(), out=np.zeros_like(magnitude), where=has_echo)
-    wrong = predicted_wrap_errors(
-        wrap_errors, debiased, looks, pair.bandwidth / pair.centre_frequency, search * pair.centre_frequency
+    phase = np.pi - np.mod(np.angle(peak.product) + np.pi, 2 * np.pi)
+    ratio, wraps = pair.bandwidth / pair.centre_frequency, search * pair.centre_frequency
+    probability = (
+        predicted_wrap_errors(wrap_errors, debiased, looks, ratio, wraps) if wrong is None else wrong(debiased, phase)
     )
     return DelayEstimate(
         *(
             np.broadcast_to(array, pair.shape)
             for array in (
                 refined_delay(peak, pair.centre_frequency) if refine else peak.delay,
-                np.pi - np.mod(np.angle(peak.product) + np.pi, 2 * np.pi),
+                phase,
                 coherence,
                 predicted_std(bound, search),
-                wrong,
+                probability,
                 coherence * brightness,
                 window.inside(pair) & peak.inside & has_echo,
             )
