@@ -76,7 +76,7 @@ class Swath(Section):
             allowed = "even without a sediment" if self.sediment is None else "flat or local with a sediment"
             raise ValueError(f"plan.level is {level!r}; it must be {allowed}")
         self.scene()
-        self._snr  # noqa: B018
+        self.ratio()
         return self
 
     def scene(self) -> Scene:
@@ -94,7 +94,7 @@ class Swath(Section):
         return plan(
             self.scene(),
             sonar,
-            snr=self._snr,
+            snr=self.ratio(),
             rows=rows,
             first_row=first_row,
             row_spacing=self.row_spacing,
@@ -103,8 +103,8 @@ class Swath(Section):
             **self.plan.chosen,
         )
 
-    @property
-    def _snr(self) -> float | SnrProfile | None:
+    def ratio(self) -> float | SnrProfile | None:
+        """Signal-to-noise ratio of the flat floor, as the simulator knows it."""
         if self.snr_profile is not None:
             return SnrProfile(*zip(*self.snr_profile, strict=True))
         return self.snr if np.isfinite(self.snr) else None
@@ -128,7 +128,7 @@ class Swath(Section):
         """Signal-to-noise ratio of the flat floor at ground ranges [dB]."""
         if self.sediment is not None:
             return sim.snr(sonar, self.sediment, ground_range, model=self.scattering)
-        ratio = self._snr
+        ratio = self.ratio()
         return ratio.at(ground_range) if isinstance(ratio, SnrProfile) else np.full(ground_range.shape, self.snr)
 
     @property
@@ -161,7 +161,7 @@ class Swath(Section):
         rows, first_row = trials + 2 * beyond, first - beyond if self.onward else 0
         required = self.required(sonar, rows, first_row)
         return simulate(
-            self.scene(), sonar, rng=rng, snr=self._snr, rows=rows, first_row=first_row, required=required
+            self.scene(), sonar, rng=rng, snr=self.ratio(), rows=rows, first_row=first_row, required=required
         )
 
     def read(self, pair: EchoPair, window: Window, estimate: DelayEstimate) -> list[Reading]:
