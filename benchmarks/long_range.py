@@ -56,7 +56,8 @@ def main() -> None:
                 print(f"  {name:26s} {1e9 * seconds / pixels:8.1f} ns a pixel {seconds / spent['copy']:8.1f} copies")
             both = sum(spent[name] for name in filters)
             print(f"  both filters / simulation  {both / spent['simulation']:8.2f}             at most 1")
-            print(f"  wall time {perf_counter() - start:.1f} s, peak {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20:.2f} GiB")
+            peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+            print(f"  wall time {perf_counter() - start:.1f} s, peak {peak:.2f} GiB")
 
 
 if __name__ == "__main__":

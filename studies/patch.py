@@ -118,4 +118,5 @@ class Patch(Section):
 
     def trace(self, pair: EchoPair, estimate: DelayEstimate) -> Real:
         """Delays of the first record [s]."""
-        return estimate.delay[0]
+        delays: Real = estimate.delay[0]
+        return delays

@@ -1,6 +1,7 @@
-"""Which errors of an estimate of a scene are read: where one part of the seabed is heard, in layover, range by range."""
+"""Which errors of an estimate of a scene are read: outside layover and in it, or range by range."""
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -29,7 +30,7 @@ class Bins(NamedTuple):
         whole = np.ceil(self.ends[0] / self.length), np.floor(self.ends[1] / self.length)
         borders = np.arange(whole[0], whole[1] + 1) * self.length
         first = np.searchsorted(np.nan_to_num(ground_range), borders)
-        samples = [slice(int(start), int(stop)) for start, stop in zip(first[:-1], first[1:], strict=True)]
+        samples = [slice(int(start), int(stop)) for start, stop in pairwise(first)]
         middles = (borders[:-1] + self.length / 2).tolist()
         return [(middle, part) for middle, part in zip(middles, samples, strict=True) if part.start < part.stop]
 
@@ -85,7 +86,7 @@ def over_range(
     assert truth is not None
     assert geometry is not None
     sonar, slant = geometry.sonar, geometry.slant_range(pair.grid.times)
-    seen, true = (np.broadcast_to(array, pair.shape) for array in (clear(pair, window), truth.delay))
+    seen, true = np.broadcast_to(clear(pair, window), pair.shape), np.broadcast_to(truth.delay, pair.shape)
     sizes, looks = (np.broadcast_to(np.asarray(a, float), pair.shape[1:]) for a in (window.rows, window.looks(pair)))
     stretches = bins.stretches(geometry.ground_range(pair.grid.times))
     middles = np.array([middle for middle, _ in stretches])

@@ -18,8 +18,9 @@ from studies.study import Study, Until
 class Standing:
     """What there is of one estimator at one design point, and how many blocks it needs.
 
-    Without a rule it needs all blocks, or as many as its estimator is limited to. With one, the rule is asked when the blocks before 1, 2, 4, 8, ... are complete,
-    and of these alone, so that the answer does not depend on which blocks were done first.
+    Without a rule it needs all blocks, or as many as its estimator is limited to. With one, the rule is asked when the
+    blocks before 1, 2, 4, 8, ... are complete, and of these alone, so that the answer does not depend on which blocks
+    were done first.
 
     Attributes
     ----------

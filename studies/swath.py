@@ -13,8 +13,8 @@ from sim import EchoPair, Plan, Scene, SnrProfile, Sonar, plan, simulate
 from sim.band import Real
 from sim.scattering import Model
 from studies.quantity import Decibels, Metres
-from studies.scene_sections import FeatureSection, PatchSection, PlanSection, TargetSection
 from studies.scene_readings import Bins, by_kind, over_range
+from studies.scene_sections import FeatureSection, PatchSection, PlanSection, TargetSection
 from studies.section import Section
 from studies.strip_image import Cells
 from studies.world import Reading
@@ -174,8 +174,8 @@ class Swath(Section):
     def traces(self, pair: EchoPair) -> dict[str, Real]:
         """Slant range [m], and the true delays of all parts heard in the first row [s].
 
-        Of blocks that go on, images of their own rows: extent of the rows and ground range of the columns [m]; intensity, in parts of that of
-        the noise or of the floor; and true height [m].
+        Of blocks that go on, images of their own rows: extent of the rows and ground range of the columns [m];
+        intensity, in parts of that of the noise or of the floor; and true height [m].
         """
         truth, geometry = pair.truth, pair.geometry
         assert truth is not None
@@ -196,7 +196,8 @@ class Swath(Section):
     def trace(self, pair: EchoPair, estimate: DelayEstimate) -> Real:
         """Delays of the first row [s]; of blocks that go on, heights of their own rows [m], as large as the images."""
         if not self.onward:
-            return estimate.delay[0]
+            delays: Real = estimate.delay[0]
+            return delays
         assert pair.geometry is not None
         cells = self._cells(pair)
         return pair.geometry.height(pair.grid.times[cells.columns], cells.middles(estimate.delay))

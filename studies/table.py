@@ -87,7 +87,11 @@ def with_depths(table: pd.DataFrame) -> pd.DataFrame:
     per_radian = (per_delay * table.wrap / (2 * np.pi)).to_numpy(dtype=float)
     sample = table.sample_coherence.to_numpy(dtype=float)
     debiased = np.nan_to_num(bounds.debias_coherence(sample, looks))
-    coherences = {"depth_crlb": table.coherence, "depth_crlb_sample": sample, "depth_crlb_debiased": debiased}
+    coherences = {
+        "depth_crlb": table.coherence.to_numpy(dtype=float),
+        "depth_crlb_sample": sample,
+        "depth_crlb_debiased": debiased,
+    }
     spreads = ("delay_std_in_wrap", "delay_std_in_wrap_se", "delay_std_total", "delay_std_total_se")
     return table.assign(
         **{name.replace("delay", "depth"): table[name] * per_delay for name in spreads},

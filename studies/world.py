@@ -13,8 +13,8 @@ from sim import EchoPair, Sonar
 from sim.band import Real
 
 RANGED = ("ground_range", "depth_per_delay", "window_rows", "sample_coherence")
-"""Facts that a region of one range has besides `looks`, `coherence` and `snr_db` there: its middle [m], the depth that a
-delay stands for, `r c / D` [m/s], and means over its estimates."""
+"""Facts that a region of one range has besides `looks`, `coherence` and `snr_db` there: its middle [m], the depth that
+a delay stands for, `r c / D` [m/s], and means over its estimates."""
 
 EVERY = np.ones((1, 1), dtype=np.bool_)
 """All estimates, where each counts."""

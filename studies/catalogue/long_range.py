@@ -1,18 +1,17 @@
-"""Paper B's figures 3 to 9 from simulated echoes, and what it leaves out: wrap errors, and the bias of coherence."""
+"""Paper B's figures 5 to 8 from simulated echoes, and what it leaves out: wrap errors, and the bias of coherence."""
 
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
 from estimators import Pixels, bounds
 from estimators.window_sizes import side_of_constant_ratio
 from sim.band import Real
 from studies import figures
-from studies.drawing import Examples, Traces
+from studies.drawing import Examples
 
 THRESHOLD = 0.5
 """Largest spread of a valid depth [m] (paper B)."""
@@ -27,9 +26,6 @@ FIXED, ADAPTIVE = "9x9", f"AdaptiveWindow(kappa={KAPPA})"
 
 SHORT = {FIXED: "fixed 9 x 9", ADAPTIVE: "adaptive", "Constant": "constant STD", "WrapSafe": "wrap-safe"}
 """What figures call the windows whose names begin so, in the order of their colours."""
-
-BEFORE = 41
-"""Columns of an image over which its level is taken away."""
 
 
 def answer(table: pd.DataFrame) -> str:
@@ -69,7 +65,7 @@ def error(rows: pd.DataFrame) -> "pd.Series[float]":
     It is the spread where there is no bias, and of few windows does not fall short, as their spread about their own
     mean does.
     """
-    return np.hypot(rows.depth_std_in_wrap, rows.delay_bias * rows.depth_per_delay)
+    return (rows.depth_std_in_wrap**2 + (rows.delay_bias * rows.depth_per_delay) ** 2) ** 0.5
 
 
 def crossing(ground_range: "pd.Series[float]", spread: "pd.Series[float]") -> float:
@@ -83,49 +79,23 @@ def crossing(ground_range: "pd.Series[float]", spread: "pd.Series[float]") -> fl
     return float(ordered.index[min(beyond, len(ordered) - 1)])
 
 
-def image(table: pd.DataFrame, examples: Examples) -> Figure:
-    """Figure 3: image intensity over its level at that range, 40 dB of it."""
-    figure, panels = _maps(examples, 1)
-    for line, (varied, found) in zip(panels, examples, strict=True):
-        level = 10 * np.log10(np.maximum(found["intensity"], 1e-12))
-        level -= pd.Series(np.median(level, axis=0)).rolling(BEFORE, center=True, min_periods=1).median().to_numpy()
-        shown = _map(line[0], found, level, (-25, 15), "gray")
-        line[0].set_title(f"{_name(varied)} SNR", fontsize=10)
-        figure.colorbar(shown, ax=line[0], label="intensity over its median [dB]", pad=0.01)
-    return figure
-
-
-def average_depth(table: pd.DataFrame, examples: Examples) -> Figure:
-    """Figure 4: depth over range, averaged along track and over 1 m, with 25 m of it beside a single line."""
-    figure, axes = figures.grid(len(examples), 1, width=8.0, height=3.2)
-    for (panel,), (varied, found) in zip(axes, examples, strict=True):
-        ground, heights = found["ground range"], found[f"phase {FIXED}"]
-        for label, values, colour in (("estimated", heights, 0), ("true", found["truth"], 1)):
-            middles, mean = _per_metre(ground, values)
-            panel.plot(middles, mean, color=figures.COLOURS[colour], linewidth=1, label=label, zorder=3 - colour)
-        panel.set(ylim=(-0.6, 0.6), ylabel="height [m]", title=f"{_name(varied)} SNR")
-        inset = panel.inset_axes((0.08, 0.62, 0.4, 0.33))
-        near = (ground >= 100) & (ground < 125)
-        middles, mean = _per_metre(ground[near], heights[:, near])
-        inset.plot(ground[near], heights[len(heights) // 2, near], color="red", linewidth=0.7, label="single line")
-        inset.plot(middles, mean, color=figures.COLOURS[0], linewidth=1.2)
-        inset.tick_params(labelsize=7)
-        inset.set_xlim(100, 125)
-        panel.plot([], [], color="red", linewidth=0.7, label="single line (inset)")
-        panel.legend(loc="lower left", fontsize=8, ncols=3)
-    axes[-1][0].set_xlabel("ground range [m]")
-    return figure
-
-
 def coherence(table: pd.DataFrame, examples: Examples) -> Figure:
     """Figure 5: coherence over range, as the window reads it, debiased, and true."""
     figure, axes = _over_range(table, "coherence")
     for (panel,), (_, rows) in zip(axes, by_profile(_phase(table)), strict=True):
         fixed = rows[rows.window == FIXED]
-        lines = ("sample_coherence", "9 x 9 sample"), ("debiased_coherence", "debiased"), ("coherence", "noise and baseline")
+        lines = (
+            ("sample_coherence", "9 x 9 sample"),
+            ("debiased_coherence", "debiased"),
+            ("coherence", "noise and baseline"),
+        )
         for number, (column, label) in enumerate(lines):
             panel.plot(
-                fixed.ground_range, fixed[column], color=figures.COLOURS[number], label=label, linewidth=1,
+                fixed.ground_range,
+                fixed[column],
+                color=figures.COLOURS[number],
+                label=label,
+                linewidth=1,
                 linestyle="--" if column == "coherence" else "-",
             )
         panel.set_ylim(0, 1)
@@ -141,7 +111,11 @@ def std_and_bound(table: pd.DataFrame, examples: Examples) -> Figure:
         _measured(panel, fixed, 0, "measured, 9 x 9")
         panel.plot(fixed.ground_range, fixed.depth_crlb_sample, color=figures.COLOURS[1], linewidth=1, label="CRLB")
         panel.plot(
-            fixed.ground_range, fixed.depth_crlb_debiased, ":", color=figures.COLOURS[1], label="CRLB, debiased coherence"
+            fixed.ground_range,
+            fixed.depth_crlb_debiased,
+            ":",
+            color=figures.COLOURS[1],
+            label="CRLB, debiased coherence",
         )
         panel.set_ylim(0, 1.5)
         panel.legend(fontsize=8, loc="upper left")
@@ -153,9 +127,16 @@ def window_size(table: pd.DataFrame, examples: Examples) -> Figure:
     figure, axes = _over_range(table, "window M [pixels]")
     for (panel,), (_, rows) in zip(axes, by_profile(_phase(table)), strict=True):
         fixed = rows[rows.window == FIXED]
-        for number, (column, label) in enumerate((("debiased_coherence", "M"), ("sample_coherence", "M, coherence biased"))):
+        for number, (column, label) in enumerate(
+            (("debiased_coherence", "M"), ("sample_coherence", "M, coherence biased"))
+        ):
             panel.plot(
-                fixed.ground_range, side(fixed, fixed[column]), color="red", linewidth=1, label=label, linestyle="-:"[number]
+                fixed.ground_range,
+                side(fixed, fixed[column]),
+                color="red",
+                linewidth=1,
+                label=label,
+                linestyle="-:"[number],
             )
         for number, window, used in _windows(rows):
             if window != FIXED:
@@ -174,18 +155,6 @@ def side(rows: pd.DataFrame, gamma: "pd.Series[float]") -> Real:
     # Slant range is depth_per_delay D / c; its ratio to ground range that of the pixel on the ground to its own size.
     ground = PIXEL / np.cos(np.arctan2(42.0, rows.ground_range.to_numpy(dtype=float)))
     return side_of_constant_ratio(per_radian * bounds.phase_crlb(1.0, gamma), KAPPA, Pixels(PIXEL, ground, ALPHA))
-
-
-def depth_maps(table: pd.DataFrame, examples: Examples) -> Figure:
-    """Figure 9: depth with the fixed window and the adaptive one, 1 m of it."""
-    windows = (FIXED, ADAPTIVE)
-    figure, panels = _maps(examples, len(windows))
-    for line, (varied, found) in zip(panels, examples, strict=True):
-        for panel, window in zip(line, windows, strict=True):
-            shown = _map(panel, found, found[f"phase {window}"], (-0.5, 0.5), "jet")
-            panel.set_title(f"{_name(varied)} SNR, {short(window)}", fontsize=10)
-        figure.colorbar(shown, ax=line, label="height [m]", pad=0.01)
-    return figure
 
 
 def std_fixed_and_adaptive(table: pd.DataFrame, examples: Examples) -> Figure:
@@ -213,13 +182,19 @@ def wrap_errors(table: pd.DataFrame, examples: Examples) -> Figure:
                 ground_range=("ground_range", "mean"), wrong=("wrap_errors", "sum"), trials=("trials", "sum")
             )
             panel.plot(
-                rate.ground_range, np.maximum(rate.wrong / rate.trials, 1e-4), figures.MARKERS[number], markersize=3.5,
-                color=colour, label=f"{short(window)}, over {OVER} m",
+                rate.ground_range,
+                np.maximum(rate.wrong / rate.trials, 1e-4),
+                figures.MARKERS[number],
+                markersize=3.5,
+                color=colour,
+                label=f"{short(window)}, over {OVER} m",
             )
             panel.plot(of_window.ground_range, of_window.predicted_wrap_rate, "--", color=colour, linewidth=1)
         panel.axhline(0.01, color="black", linewidth=0.8)
         panel.set(yscale="log", ylim=(1e-4, 1.2))
-        panel.legend(fontsize=8, loc="lower right", title="dashed: predicted; on the floor: none seen", title_fontsize=8)
+        panel.legend(
+            fontsize=8, loc="lower right", title="dashed: predicted; on the floor: none seen", title_fontsize=8
+        )
     return figure
 
 
@@ -229,10 +204,17 @@ def coherence_bias(table: pd.DataFrame, examples: Examples) -> Figure:
     for (panel,), (_, rows) in zip(axes, by_profile(_phase(table)), strict=True):
         for number, window in enumerate((FIXED, ADAPTIVE)):
             of_window = rows[rows.window == window]
-            for column, style, label in (("depth_crlb_sample", "-", "as read"), ("depth_crlb_debiased", ":", "debiased")):
+            for column, style, label in (
+                ("depth_crlb_sample", "-", "as read"),
+                ("depth_crlb_debiased", ":", "debiased"),
+            ):
                 panel.plot(
-                    of_window.ground_range, of_window[column] / of_window.depth_crlb, style,
-                    color=figures.COLOURS[number], linewidth=1, label=f"{short(window)}, {label}",
+                    of_window.ground_range,
+                    of_window[column] / of_window.depth_crlb,
+                    style,
+                    color=figures.COLOURS[number],
+                    linewidth=1,
+                    label=f"{short(window)}, {label}",
                 )
         panel.axhline(1, color="black", linewidth=0.8)
         panel.set_ylim(0, 1.6)
@@ -257,10 +239,6 @@ def _phase(table: pd.DataFrame) -> pd.DataFrame:
     return table[table.estimator == "phase"].sort_values("ground_range")
 
 
-def _name(varied: object) -> str:
-    return "modelled" if "scene.sediment" in dict(varied) else "paper"
-
-
 def _over_range(table: pd.DataFrame, label: str) -> tuple[Figure, Sequence[Sequence[Axes]]]:
     names = [name for name, _ in by_profile(table)]
     figure, axes = figures.grid(len(names), 1, width=6.4, height=3.0)
@@ -277,30 +255,3 @@ def _measured(panel: Axes, rows: pd.DataFrame, number: int, label: str) -> None:
     panel.plot(rows.ground_range, spread, ".", color=colour, markersize=1.5, alpha=0.35)
     over = spread.rolling(OVER, center=True, min_periods=1).median()
     panel.plot(rows.ground_range, over, color=colour, linewidth=1.2, label=label)
-
-
-def _per_metre(ground: Real, values: Real) -> tuple[Real, Real]:
-    """Mean of an image over rows and each metre of ground range."""
-    metre = np.floor(ground).astype(int)
-    middles = np.unique(metre)
-    mean = np.array([np.nanmean(values[:, metre == number]) for number in middles])
-    return middles + 0.5, mean
-
-
-def _maps(examples: Examples, columns: int) -> tuple[Figure, Sequence[Sequence[Axes]]]:
-    figure, axes = figures.grid(len(examples), columns, width=8.0 / columns, height=2.4)
-    for line in axes:
-        line[0].set_ylabel("along track [m]")
-        for panel in line:
-            panel.grid(False)
-    for panel in axes[-1]:
-        panel.set_xlabel("ground range [m]")
-    return figure, axes
-
-
-def _map(panel: Axes, found: Traces, values: Real, limits: tuple[float, float], colours: str) -> QuadMesh:
-    along = (np.arange(len(values)) + 0.5) * found["row extent"][0]
-    return panel.pcolormesh(
-        found["ground range"], along, values, vmin=limits[0], vmax=limits[1], cmap=colours, shading="nearest",
-        rasterized=True,
-    )

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim import SONARS, Box, PointTarget, Roughness, Scene, Slope, Step, TrawlMark, Wedge, plan, simulate
-from sim.plan import survey
+from sim.survey import survey
 
 NEAR, FAR = SONARS["hisas-100khz"], SONARS["hisas-1032"]
 

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from estimators import AdaptiveWindow, CrossCorrelation, CrossCorrelationInPieces, FixedWindow, KnownCoherence
@@ -121,9 +122,9 @@ def test_images_of_the_blocks_are_joined_along_track(strip, run):
 
 
 def test_a_wrong_scene_is_told():
-    with pytest.raises(ValueError, match="snr_profile is given beside a sediment or snr; it must be one of them"):
+    with pytest.raises(ValueError, match=r"snr_profile is given beside a sediment or snr; it must be one of them"):
         Swath(ground_range=(42, 60), sediment="silt", snr_profile=((42, 1), (60, 0)))
-    with pytest.raises(ValueError, match="ground_range is .* it must rise"):
+    with pytest.raises(ValueError, match=r"ground_range is .* it must rise"):
         Swath(ground_range=(42, 60), snr_profile=((60, 1), (42, 0)))
     with pytest.raises(ValueError, match=r"sample_spacing is 0.025 m; it must be at most 0.02\d+ m to hold the regist"):
         plan(Scene((42.0, 60.0)), SONARS["hisas-1032"], sample_spacing=0.025)
@@ -156,11 +157,7 @@ def test_a_crossing_is_where_the_median_leaves_the_threshold():
     ground = np.arange(300.5, 380.5)
     spread = 0.3 + (ground - 300.5) * 0.01
     spread[10] = 5.0
-    frame = {"ground_range": ground, "spread": spread}
-    import pandas as pd
-
-    table = pd.DataFrame(frame)
-    assert crossing(table.ground_range, table.spread) == pytest.approx(321.0, abs=1.0)
+    assert crossing(pd.Series(ground), pd.Series(spread)) == pytest.approx(321.0, abs=1.0)
 
 
 def test_the_adaptive_window_is_that_of_paper_b_at_400_m():

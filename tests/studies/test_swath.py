@@ -26,8 +26,8 @@ from sim import (
 )
 from studies import engine, manifest, report
 from studies.design import points
-from studies.study import load
 from studies.scene_readings import clear
+from studies.study import load
 from studies.swath import Swath
 
 GOOD = """
