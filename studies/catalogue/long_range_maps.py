@@ -38,7 +38,8 @@ def average_depth(table: pd.DataFrame, examples: Examples) -> Figure:
         for label, values, colour in (("estimated", heights, 0), ("true", found["truth"], 1)):
             middles, mean = _per_metre(ground, values)
             panel.plot(middles, mean, color=figures.COLOURS[colour], linewidth=1, label=label, zorder=3 - colour)
-        panel.set(ylim=(-0.6, 0.6), ylabel="height [m]", title=f"{_name(varied)} SNR")
+        panel.set(ylim=(-0.6, 0.6), ylabel="height [m]")
+        panel.set_title(f"{_name(varied)} SNR", fontsize=10)
         inset = panel.inset_axes((0.08, 0.62, 0.4, 0.33))
         near = (ground >= 100) & (ground < 125)
         middles, mean = _per_metre(ground[near], heights[:, near])
