@@ -5,6 +5,7 @@ from estimators.cross_correlation import CrossCorrelation
 from estimators.depth import DepthMap, depth_map
 from estimators.estimate import DelayEstimate, Estimator
 from estimators.height import Height
+from estimators.in_pieces import CrossCorrelationInPieces
 from estimators.interferogram import Interferogram
 from estimators.maximum_likelihood import MaximumLikelihood
 from estimators.multi_chromatic import MultiChromatic
@@ -24,6 +25,7 @@ __all__ = [
     "ConstantStdWindow",
     "Coverage",
     "CrossCorrelation",
+    "CrossCorrelationInPieces",
     "DelayEstimate",
     "DepthMap",
     "Estimator",

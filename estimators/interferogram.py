@@ -7,9 +7,10 @@ from scipy.special import stdtr
 
 from estimators.estimate import DelayEstimate
 from estimators.interference import interferogram_with_energy
-from estimators.lag_product import power
+from estimators.lag_product import power, scale_of
+from estimators.moving_sum import product_sum, window_sum
 from estimators.peak import Peak
-from estimators.search import by_rows, describe
+from estimators.search import describe
 from estimators.windows import FixedWindow, Window, WindowPolicy
 from sim import EchoPair
 from sim.band import Complex
@@ -48,7 +49,7 @@ class Interferogram:
         """
         window = self.window.on(pair)
         window.check(pair)
-        estimate = describe(pair, window, _peak(pair, window), refine=True, search=0.5 / pair.centre_frequency)
+        estimate = describe(pair, window, at_zero_lag(pair, window), refine=True, search=0.5 / pair.centre_frequency)
         freedom = 2 * (window.looks(pair) - 1)
         to_edge = np.minimum(np.pi - np.abs(estimate.phase), np.pi / 2)
         strength = np.sqrt(freedom / np.maximum((1 - estimate.coherence) * (1 + estimate.coherence), 1e-300))
@@ -57,10 +58,17 @@ class Interferogram:
         return replace(estimate, wrap_error_probability=crossing, quality=1 - crossing)
 
 
-def _peak(pair: EchoPair, window: Window) -> Peak:
+def at_zero_lag(pair: EchoPair, window: Window) -> Peak:
+    """Windowed product of the series of a pair at zero delay, and its energy, on a scale near 1."""
     if isinstance(window, FixedWindow):
         product, energy = interferogram_with_energy(
             pair.primary, pair.secondary, window.rows, window.samples, circular=pair.circular
         )
-        return Peak(np.zeros(()), product, energy, np.ones((), dtype=np.bool_))
-    return by_rows(pair, window, 0, 64, lambda p, s: zero_lag(p, s, window).spread())
+    else:
+        sizes = window.rows, window.samples
+        p, s = (np.asarray(series * scale_of(series), np.complex128) for series in (pair.primary, pair.secondary))
+        product = product_sum(p, s, *sizes, circular=pair.circular)
+        # Both energies as one complex sum.
+        energies = window_sum(power(p) + 1j * power(s), *sizes, circular=pair.circular)
+        energy = np.sqrt(energies.real * energies.imag)
+    return Peak(np.zeros(()), product, energy, np.ones((), dtype=np.bool_))

@@ -6,8 +6,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from estimators.interferogram import zero_lag
-from estimators.search import by_rows
+from estimators.interferogram import at_zero_lag
 from estimators.uncertainty import debiased_coherence
 from estimators.windows import FixedWindow
 from sim import EchoPair, Geometry, Sediment, checks, expected_coherence
@@ -56,7 +55,7 @@ class MeasuredCoherence:
         """Coherence of a pair at each time, shape (time,)."""
         rows, samples = pair.shape
         window = FixedWindow(min(self.rows, rows), min(self.samples, samples))
-        peak = by_rows(pair, window, 0, 64, lambda p, s: zero_lag(p, s, window).spread())
+        peak = at_zero_lag(pair, window)
         usable = window.inside(pair) & (peak.energy > 0)
         sample = np.divide(np.abs(peak.product), peak.energy, out=np.zeros(pair.shape), where=usable)
         extent = geometry.sonar.sound_speed / (2 * pair.sample_rate)

@@ -13,8 +13,15 @@ from sim.band import Real
 
 def debiased_coherence(sample_coherence: Real, looks: Looks) -> Real:
     """Coherence that a sample coherence stands for; a single look, which says nothing, stands for none."""
-    several = np.asarray(looks) > 1
-    debiased: Real = np.where(several, bounds.debias_coherence(sample_coherence, np.where(several, looks, 2.0)), 0.0)
+    if np.ndim(looks) == 0:
+        return bounds.debias_coherence(sample_coherence, looks) if looks > 1 else np.zeros_like(sample_coherence)
+    # A number of looks by itself costs a fifth of an array of them.
+    debiased = np.empty(np.broadcast_shapes(np.shape(sample_coherence), np.shape(looks)))
+    of_all = np.broadcast_to(sample_coherence, debiased.shape)
+    distinct, which = np.unique(looks, return_inverse=True)
+    for number, n in enumerate(distinct.tolist()):
+        at = which == number
+        debiased[..., at] = debiased_coherence(of_all[..., at], n)
     return debiased
 
 

@@ -120,7 +120,9 @@ def plan(
     *,
     snr: float | SnrProfile | None = None,
     rows: int = 1,
+    first_row: int = 0,
     row_spacing: float | None = None,
+    sample_spacing: float | None = None,
     tolerance: float = 0.02,
     **chosen: Any,
 ) -> Plan:
@@ -135,9 +137,11 @@ def plan(
     ----------
     scene, sonar
         What is seen, and by what.
-    rows, row_spacing
-        How many rows, and their distance [m]; the along-track resolution, where they are independent, if None. Of
-        other rows the plan says nothing.
+    rows, first_row, row_spacing
+        How many rows, the number of the first and their distance [m]; the along-track resolution, where they are
+        independent, if None. Of other rows the plan says nothing.
+    sample_spacing
+        Distance of the samples in slant range, `c / (2 fs)` [m]; if None, so that `1 / B` holds 4 / 3 of them or more.
     snr
         For a scene without sediment: signal-to-noise ratio of the flat floor [dB], or its profile over range; None for
         no noise.
@@ -155,7 +159,8 @@ def plan(
     Raises
     ------
     ValueError
-        Where the sonar is not above the scene, for a number outside its limits, and for a field that `Plan` lacks.
+        Where the sonar is not above the scene, for a number outside its limits, samples that do not hold the
+        registered band, and for a field that `Plan` lacks.
     """
     checks.count("rows", rows)
     checks.within("tolerance", tolerance, 1e-6, 0.5)
@@ -166,9 +171,11 @@ def plan(
         )
     spacing = sonar.aperture.resolution if row_spacing is None else row_spacing
     along_track = AlongTrack(spacing, sonar.aperture.resolution)
-    numbers = range(1) if scene.uniform else range(-along_track.halo, rows + along_track.halo)
+    beyond = along_track.halo
+    numbers = range(1) if scene.uniform else range(first_row - beyond, first_row + rows + beyond)
     seen = survey(scene, sonar, (number * spacing for number in numbers), snr)
-    required = _required(scene, sonar, tolerance, seen, chosen.get("delays"))
+    rate = _sample_rate(scene, sonar, sample_spacing)
+    required = _required(scene, sonar, tolerance, seen, rate, chosen.get("delays"))
     required["along_track"] = along_track, "distance of rows, and the resolution of the aperture"
     for name in chosen:
         checks.one_of("decision", name, sorted(required))
@@ -182,15 +189,28 @@ def plan(
     return replace(made, decisions=tuple(decisions))
 
 
+def _sample_rate(scene: Scene, sonar: Sonar, spacing: float | None) -> float:
+    """Samples a second that hold the registered band, at a distance in slant range [m] if one is given."""
+    plane = survey(Scene(scene.ground_range), sonar, [0.0], None)
+    least = 1 + 2.2 * plane.shift
+    if spacing is None:
+        return sonar.bandwidth * max(OVERSAMPLING, least)
+    rate = sonar.sound_speed / (2 * checks.positive("sample_spacing", spacing, "m"))
+    if rate < least * sonar.bandwidth:
+        most = sonar.range_resolution / least
+        raise ValueError(
+            f"sample_spacing is {spacing:g} m; it must be at most {most:.4g} m to hold the registered band"
+        )
+    return rate
+
+
 def _required(
-    scene: Scene, sonar: Sonar, tolerance: float, seen: Survey, delays: Delays | None
+    scene: Scene, sonar: Sonar, tolerance: float, seen: Survey, rate: float, delays: Delays | None
 ) -> dict[str, tuple[Any, str]]:
     """Choice and reason of every decision."""
-    needed = seen.overlaid or seen.shift > (OVERSAMPLING - 1) / 2
+    needed = seen.overlaid or seen.shift > (min(rate / sonar.bandwidth, OVERSAMPLING) - 1) / 2
     scatterers = needed if delays is None else delays == "scatterers"
     dense = max(1.0, float(np.round((0.46 / tolerance) ** (2 / 3))))
-    plane = survey(Scene(scene.ground_range), sonar, [0.0], None)
-    rate = sonar.bandwidth * max(OVERSAMPLING, 1 + 2.2 * plane.shift)
     return {
         "sections": ("one", "the same all along the track") if scene.uniform else ("each", "relief varies along track"),
         "shadow": (seen.shadow, "some parts hide others" if seen.shadow else "no part hides another"),

@@ -32,6 +32,7 @@ def simulate(
     rng: np.random.Generator,
     snr: float | SnrProfile | None = None,
     rows: int = 1,
+    first_row: int = 0,
     row_spacing: float | None = None,
     required: Plan | None = None,
 ) -> EchoPair:
@@ -60,8 +61,9 @@ def simulate(
     snr
         For a scene without sediment: signal-to-noise ratio of the flat floor in each receiver [dB], or its profile over
         range; None for no noise.
-    rows
-        Rows along track, the first at along-track place 0.
+    rows, first_row
+        Rows along track, and the number of the first; that at along-track place 0 has the number 0. A row is the same
+        whatever others are simulated with it.
     row_spacing
         Their distance [m]. By default the along-track resolution of the sonar, where speckle and noise of rows are
         independent; at less, neighbours are alike (`sim.AlongTrack`).
@@ -80,8 +82,9 @@ def simulate(
         warp is asked for of a seabed that is heard several parts at a time.
     """
     streams = Streams.drawn(checks.generator(rng))
-    listening = Listening(scene, sonar, _required(scene, sonar, snr, rows, row_spacing, required), snr)
-    return _block(listening, range(rows), streams)
+    numbers = range(first_row, first_row + checks.count("rows", rows))
+    listening = Listening(scene, sonar, _required(scene, sonar, snr, numbers, row_spacing, required), snr)
+    return _block(listening, numbers, streams)
 
 
 def echo_blocks(
@@ -121,7 +124,8 @@ def echo_blocks(
         As `simulate`.
     """
     streams = Streams.drawn(checks.generator(rng))
-    listening = Listening(scene, sonar, _required(scene, sonar, snr, rows, row_spacing, required), snr)
+    numbers = range(checks.count("rows", rows))
+    listening = Listening(scene, sonar, _required(scene, sonar, snr, numbers, row_spacing, required), snr)
     checks.count("block", block)
     blocks = (range(start, min(start + block, rows)) for start in range(0, rows, block))
     work = (delayed(_block)(listening, numbers, streams) for numbers in blocks)
@@ -133,17 +137,16 @@ def _required(
     scene: Scene,
     sonar: Sonar,
     snr: float | SnrProfile | None,
-    rows: int,
+    rows: range,
     row_spacing: float | None,
     required: Plan | None,
 ) -> Plan:
-    checks.count("rows", rows)
     if snr is not None:
         given = "given over range" if isinstance(snr, SnrProfile) else f"{checks.finite('snr', snr, 'dB'):g} dB"
         if scene.sediment is not None:
             raise ValueError(f"snr is {given}; it must be left out for a scene whose sediment gives the levels")
     if required is None:
-        return plan(scene, sonar, snr=snr, rows=rows, row_spacing=row_spacing)
+        return plan(scene, sonar, snr=snr, rows=len(rows), first_row=rows.start, row_spacing=row_spacing)
     if row_spacing is not None:
         raise ValueError(f"row_spacing is {row_spacing:g} m; it must be left out where a plan says it")
     return required

@@ -49,6 +49,9 @@ SCHEMA = pa.schema(
     ]
 )
 TRACES = pa.schema([("name", pa.string()), ("shape", pa.list_(pa.int64())), ("values", pa.list_(pa.float64()))])
+TRACED = ".traces.parquet"
+"""How the names of files with traces end."""
+
 KEY = b"twinecho"
 ROWS = 1024
 """Rows that are read, checked or written at a time."""
@@ -124,10 +127,10 @@ class Store:
             yield block, list(once.values())
 
     def write(self, task: Task, block: Block) -> None:
-        """Store the measurements of a block beside others of it, and the traces of the first of a point."""
+        """Store the measurements of a block beside others of it, and its traces where it has some."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        if task.block == 0 and block.traces:
-            self._write_traces(task.point, block.traces)
+        if block.traces:
+            self._write_traces(task.point, task.block, block.traces)
         new = {m.labels for m in block.measurements}
         kept = [
             row
@@ -167,9 +170,8 @@ class Store:
         for segment in here:
             if segment.path != path:
                 segment.path.unlink(missing_ok=True)
-        traces = other.read_traces(point)
-        if traces:
-            self._write_traces(point, traces)
+        for block in other._traced(point):
+            self._write_traces(point, block, other._traces(point, block))
 
     def clean(self) -> None:
         """Remove what a writer that was killed left half written."""
@@ -177,24 +179,42 @@ class Store:
             left.unlink(missing_ok=True)
 
     def read_traces(self, point: Point) -> Traces:
-        """Traces of the first trial of a point; none where there is no good file of them."""
+        """Traces of a point; none where there is no good file of them.
+
+        Those of the first block, and of later ones that have some: images, of two dimensions, joined along track.
+        """
+        parts = [traces for block in self._traced(point) if (traces := self._traces(point, block))]
+        if len(parts) < 2:
+            return parts[0] if parts else {}
+        return {
+            name: np.concatenate([part[name] for part in parts if name in part]) if first.ndim == 2 else first
+            for name, first in parts[0].items()
+        }
+
+    def _traces(self, point: Point, block: int) -> Traces:
         try:
-            table = pq.read_table(self._traces_path(point))
+            table = pq.read_table(self._traces_path(point, block))
             rows = table.to_pylist()
             good = (table.schema.metadata or {}).get(KEY) == self._identity(point, rows)
         except (OSError, ValueError, KeyError, TypeError, pa.ArrowException):
             return {}
         return {row["name"]: np.array(row["values"]).reshape(row["shape"]) for row in rows} if good else {}
 
-    def _write_traces(self, point: Point, traces: Traces) -> None:
-        together = {**self.read_traces(point), **traces}
+    def _traced(self, point: Point) -> list[int]:
+        """Numbers of the blocks of which there are traces, in order."""
+        found = self.folder.glob(f"{point.key}*{TRACED}")
+        return sorted(int(path.name[len(point.key) + 1 : -len(TRACED)] or 0) for path in found)
+
+    def _write_traces(self, point: Point, block: int, traces: Traces) -> None:
+        together = {**self._traces(point, block), **traces}
         rows = [{"name": n, "shape": list(np.shape(v)), "values": np.ravel(v).tolist()} for n, v in together.items()]
         table = pa.Table.from_pylist(rows, TRACES).replace_schema_metadata({KEY: self._identity(point, rows)})
-        with _replacing(self._traces_path(point)) as beside:
+        with _replacing(self._traces_path(point, block)) as beside:
             pq.write_table(table, beside.path)
 
-    def _traces_path(self, point: Point) -> Path:
-        return self.folder / f"{point.key}.traces.parquet"
+    def _traces_path(self, point: Point, block: int) -> Path:
+        number = f"-{block:06d}" if block else ""
+        return self.folder / f"{point.key}{number}{TRACED}"
 
     def _identity(self, point: Point, rows: Sequence[Mapping[str, Any]] = ()) -> bytes:
         of = hashlib.sha256(json.dumps(rows).encode()).hexdigest() if rows else ""

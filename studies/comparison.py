@@ -26,7 +26,7 @@ class Comparison:
 
     def add(self, measurements: Sequence[Measurement]) -> None:
         """Add a block: every two estimators that have measured it in the same region."""
-        for first, second in combinations(measurements, 2):
+        for first, second in combinations([m for m in measurements if len(m.batches)], 2):
             if first.region == second.region:
                 both = (first.estimator, first.window, first.region), (second.estimator, second.window, second.region)
                 self.pairs.setdefault(both, _Pair()).add(first.batches, second.batches)

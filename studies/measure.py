@@ -4,10 +4,12 @@ from collections.abc import Mapping, Sequence
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from estimators import CrossCorrelation, Estimator, FullBandPhaseSlope, MaximumLikelihood, SplitSpectrum, bounds
 from estimators.posterior import Looks
 from sim import EchoPair, Sonar
+from sim.band import Real
 from studies.attempt import Attempt, attempt
 from studies.design import Task
 from studies.measurement import Block, Failure, Measurement
@@ -35,9 +37,10 @@ NORMAL_95 = 1.959963984540054
 
 def echoes(task: Task, block_trials: int, seed: int) -> EchoPair:
     """The echoes of a block; a short block has the first trials of a whole one."""
-    point = task.point
-    pair = point.world.simulate(point.sonar, block_trials, generator(seed, point.echoes, task.block))
-    return pair if task.trials == block_trials else pair.rows(slice(0, task.trials))
+    point, world = task.point, task.point.world
+    rng = generator(seed, point.echoes, 0 if world.onward else task.block)
+    pair = world.simulate(point.sonar, block_trials, rng, task.block * block_trials)
+    return pair if task.trials == block_trials else pair.rows(slice(0, world.shape(point.sonar, task.trials)[0]))
 
 
 def apply(method: Method, pair: EchoPair, task: Task, seed: int) -> tuple[Estimator, Attempt]:
@@ -62,15 +65,22 @@ def measure(task: Task, methods: Sequence[Method], block_trials: int, seed: int)
     """
     point = task.point
     pair = echoes(task, block_trials, seed)
-    measurements, traces = [], point.world.traces(pair)
+    measurements, traces = [], point.world.traces(pair) if task.block == 0 or point.world.onward else {}
     for method in methods:
         estimator, made = apply(method, pair, task, seed)
         if traces:
-            traces[" ".join(method.labels)] = made.estimate.delay[0]
+            traces[" ".join(method.labels)] = point.world.trace(pair, made.estimate)
         window = method.window.on(pair)
-        facts = expected(estimator, window.looks(pair), point.world, point.sonar)
         readings = point.world.read(pair, window, made.estimate)
-        measurements += [_measured(method, reading, len(readings), facts, made, pair) for reading in readings]
+        facts = (
+            expected_over_range(estimator, readings, point.sonar)
+            if point.world.ranged
+            else [expected(estimator, window.looks(pair), point.world, point.sonar)] * len(readings)
+        )
+        measurements += [
+            _measured(method, reading, len(readings), known, made, pair)
+            for reading, known in zip(readings, facts, strict=True)
+        ]
     return Block(measurements, traces)
 
 
@@ -97,7 +107,8 @@ def _measured(
         regions=regions,
         facts=facts,
         moments=moments,
-        batches=batches,
+        # One range by itself is not compared between estimators.
+        batches=batches[:0] if reading.facts else batches,
         failures=int(failed.sum()),
         failed=failures,
         flagged=int(np.sum(reading.counted & ~reading.of(estimate.valid) & ~failed)),
@@ -126,14 +137,34 @@ def expected(estimator: Estimator, looks: Looks, world: World, sonar: Sonar) -> 
         return {**dict.fromkeys(FACTS, np.nan), **known}
     return {
         **known,
-        "predicted_wrap_rate": predicted_wrap_rate(estimator, looks, coherence, sonar),
-        "predicted_delay_std": predicted_delay_std(estimator, looks, coherence, sonar),
+        "predicted_wrap_rate": float(predicted_wrap_rate(estimator, looks, coherence, sonar)),
+        "predicted_delay_std": float(predicted_delay_std(estimator, looks, coherence, sonar)),
         "crlb": float(bounds.coherent_delay_crlb(looks, coherence, fc, sonar.bandwidth)),
         "ziv_zakai": _ziv_zakai(looks, coherence, fc, sonar.bandwidth),
     }
 
 
-def predicted_wrap_rate(estimator: Estimator, looks: float, coherence: float, sonar: Sonar) -> float:
+def expected_over_range(estimator: Estimator, readings: Sequence[Reading], sonar: Sonar) -> list[Mapping[str, float]]:
+    """The same for regions of one range each, with their own facts; without `ziv_zakai`, which would take long."""
+    looks, coherence = (np.array([reading.facts[name] for reading in readings]) for name in ("looks", "coherence"))
+    over_range = {
+        "predicted_wrap_rate": predicted_wrap_rate(estimator, looks, coherence, sonar),
+        "predicted_delay_std": predicted_delay_std(estimator, looks, coherence, sonar),
+        "crlb": bounds.coherent_delay_crlb(looks, coherence, sonar.centre_frequency, sonar.bandwidth),
+    }
+    alike = {"relative_bandwidth": sonar.relative_bandwidth, "wrap": sonar.wrap}
+    return [
+        {
+            **dict.fromkeys(FACTS, np.nan),
+            **alike,
+            **{name: float(values[number]) for name, values in over_range.items()},
+            **reading.facts,
+        }
+        for number, reading in enumerate(readings)
+    ]
+
+
+def predicted_wrap_rate(estimator: Estimator, looks: ArrayLike, coherence: ArrayLike, sonar: Sonar) -> Real:
     """Wrap-error rate of an estimator of its kind.
 
     Maximum likelihood, a peak that its phase refines, the split spectrum; for all others that of the envelope's peak.
@@ -144,15 +175,15 @@ def predicted_wrap_rate(estimator: Estimator, looks: float, coherence: float, so
     wraps = search * sonar.centre_frequency if isinstance(search, float | int) else None
     if isinstance(estimator, SplitSpectrum):
         share = (estimator.sub_bandwidth or sonar.bandwidth / 3) / sonar.bandwidth
-        return float(bounds.split_spectrum_wrap_error_probability(looks, coherence, ratio, sub_band_share=share))
+        return bounds.split_spectrum_wrap_error_probability(looks, coherence, ratio, sub_band_share=share)
     if isinstance(estimator, MaximumLikelihood):
-        return float(bounds.likelihood_wrap_error_probability(looks, coherence, ratio, wraps))
+        return bounds.likelihood_wrap_error_probability(looks, coherence, ratio, wraps)
     if isinstance(estimator, CrossCorrelation | FullBandPhaseSlope) and estimator.refine:
-        return float(bounds.cross_correlation_wrap_error_probability(looks, coherence, ratio, wraps))
-    return float(bounds.wrap_error_probability(looks, coherence, ratio))
+        return bounds.cross_correlation_wrap_error_probability(looks, coherence, ratio, wraps)
+    return bounds.wrap_error_probability(looks, coherence, ratio)
 
 
-def predicted_delay_std(estimator: Estimator, looks: float, coherence: float, sonar: Sonar) -> float:
+def predicted_delay_std(estimator: Estimator, looks: ArrayLike, coherence: ArrayLike, sonar: Sonar) -> Real:
     """Standard deviation of an estimator of its kind in the right wrap [s].
 
     That of the exact multilook phase where the phase refines the delay, the coherent bound for maximum likelihood, and
@@ -160,15 +191,11 @@ def predicted_delay_std(estimator: Estimator, looks: float, coherence: float, so
     """
     fc, bandwidth = sonar.centre_frequency, sonar.bandwidth
     if isinstance(estimator, MaximumLikelihood):
-        return float(bounds.coherent_delay_crlb(looks, coherence, fc, bandwidth))
+        return bounds.coherent_delay_crlb(looks, coherence, fc, bandwidth)
     if getattr(estimator, "refine", True):
-        return _phase_std(looks, coherence) / (2 * np.pi * fc)
-    return float(bounds.group_delay_crlb(looks, coherence, bandwidth))
-
-
-@lru_cache(maxsize=4096)
-def _phase_std(looks: float, coherence: float) -> float:
-    return float(bounds.multilook_phase_std(looks, coherence))
+        spread: Real = bounds.multilook_phase_std(looks, coherence) / (2 * np.pi * fc)
+        return spread
+    return bounds.group_delay_crlb(looks, coherence, bandwidth)
 
 
 @lru_cache(maxsize=4096)

@@ -27,7 +27,8 @@ class Measurement:
     regions
         How many regions the estimate was read in.
     facts
-        Numbers that belong to it: looks, bounds, predictions; the same in every block.
+        Numbers that belong to it: looks, bounds, predictions. The same in every block but for what follows from a
+        window or coherence that each block measures; of these the mean over clusters.
     moments
         Sums over the errors.
     batches
@@ -65,11 +66,19 @@ class Measurement:
         seconds = clusters[0] * self.seconds_per_pixel + clusters[1] * other.seconds_per_pixel
         return replace(
             other,
+            facts={name: _mean((self.facts[name], fact), clusters) for name, fact in other.facts.items()},
             moments=self.moments + other.moments,
             failures=self.failures + other.failures,
             flagged=self.flagged + other.flagged,
             seconds_per_pixel=seconds / sum(clusters),
         )
+
+
+def _mean(values: tuple[float, float], clusters: tuple[int, int]) -> float:
+    """Mean over clusters of a fact; itself, to the last bit, where it is the same."""
+    if values[0] == values[1]:
+        return values[0]
+    return (values[0] * clusters[0] + values[1] * clusters[1]) / sum(clusters)
 
 
 @dataclass(frozen=True, eq=False)

@@ -42,12 +42,15 @@ class EstimatorSection(Section):
         every one of them.
     options
         What else it is called with.
+    blocks
+        In how many blocks of a design point it is tried, from the first on; in all by default. For what takes long.
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9 ._+-]*$")]
     method: str
     windows: Annotated[tuple[WindowSection, ...], Field(min_length=1)] = ("record",)
     options: Mapping[str, Option] = {}
+    blocks: Annotated[int, Field(ge=1)] | None = None
 
 
 @dataclass(frozen=True)

@@ -63,6 +63,16 @@ class Patch(Section):
         with np.errstate(divide="ignore"):
             return float(10 * np.log10(bounds.snr_from_coherence(self.true_coherence)))
 
+    @property
+    def ranged(self) -> bool:
+        """A patch has no range."""
+        return False
+
+    @property
+    def onward(self) -> bool:
+        """All blocks are alike."""
+        return False
+
     def record(self) -> tuple[int, int]:
         """Rows and samples of the window that holds one trial."""
         return 1, self.looks if self.looks % 2 else 2 * self.looks
@@ -83,7 +93,7 @@ class Patch(Section):
         """One record a trial."""
         return trials, self.record()[1]
 
-    def simulate(self, sonar: Sonar, trials: int, rng: np.random.Generator) -> EchoPair:
+    def simulate(self, sonar: Sonar, trials: int, rng: np.random.Generator, first: int = 0) -> EchoPair:
         """Records, one a row."""
         draw = speckle_pair if self.sampling == "direct" else rare_speckle_pair
         return draw(
@@ -105,3 +115,8 @@ class Patch(Section):
     def traces(self, pair: EchoPair) -> dict[str, Real]:
         """None: all records are alike."""
         return {}
+
+    def trace(self, pair: EchoPair, estimate: DelayEstimate) -> Real:
+        """Delays of the first record [s]."""
+        delays: Real = estimate.delay[0]
+        return delays

@@ -17,7 +17,7 @@ from studies.named import called, imported
 from studies.page import page
 from studies.stopping import Standing, measured_blocks
 from studies.study import Study
-from studies.table import row
+from studies.table import row, with_depths
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +99,7 @@ def result(study: Study, store: Store) -> Result:
             examples.append((point.varied, traces))
     if not rows:
         raise ValueError(f"{store.folder} holds no finished block; run the study first")
-    table = pd.DataFrame(rows)
+    table = with_depths(pd.DataFrame(rows))
     return Result(
         table, pd.DataFrame(differences), pd.DataFrame(failures), examples, (missing, wanted), store.others(design)
     )
@@ -115,7 +115,7 @@ class _Sums:
 
     def __init__(self, study: Study, point: Point) -> None:
         self.point = point
-        self.standings = {method.labels: Standing(study) for method in methods(study, point)}
+        self.standings = {method.labels: Standing(study, method.section.blocks) for method in methods(study, point)}
         self.comparison = Comparison()
         self.failures: list[dict[str, Any]] = []
 

@@ -11,7 +11,8 @@ from estimators import FixedWindow
 from sim import EchoPair, Sonar
 from sim.band import Complex, Real
 from studies.parallel import one_thread
-from studies.swath import Swath, clear
+from studies.scene_readings import clear
+from studies.swath import Swath
 
 WINDOW = FixedWindow(1, 64)
 """Over which interferograms are summed up."""

@@ -17,7 +17,7 @@ def status(study: Study, seed: int, folder: Path) -> pd.DataFrame:
         raise ValueError(f"{folder} holds a study that has no trials; it has no blocks")
     store, rows = store_of(study, seed, folder), []
     for point in points(study):
-        found = {method.labels: Standing(study) for method in methods(study, point)}
+        found = {method.labels: Standing(study, method.section.blocks) for method in methods(study, point)}
         failed = 0
         for block, by_method in measured_blocks(study, point, store.read(point)):
             failed += any(measurement.failures for group in by_method.values() for measurement in group)

@@ -18,8 +18,9 @@ from studies.study import Study, Until
 class Standing:
     """What there is of one estimator at one design point, and how many blocks it needs.
 
-    Without a rule it needs all blocks. With one, the rule is asked when the blocks before 1, 2, 4, 8, ... are complete,
-    and of these alone, so that the answer does not depend on which blocks were done first.
+    Without a rule it needs all blocks, or as many as its estimator is limited to. With one, the rule is asked when the
+    blocks before 1, 2, 4, 8, ... are complete, and of these alone, so that the answer does not depend on which blocks
+    were done first.
 
     Attributes
     ----------
@@ -31,9 +32,10 @@ class Standing:
         Sums over all blocks that there are, by region; with a rule, over those of the `target` before the first gap.
     """
 
-    def __init__(self, study: Study) -> None:
-        most, rule = blocks(study), study.trials.until
-        self.there: NDArray[np.bool_] = np.zeros(most, dtype=np.bool_)
+    def __init__(self, study: Study, limit: int | None = None) -> None:
+        rule = study.trials.until
+        most = blocks(study) if limit is None else min(limit, blocks(study))
+        self.there: NDArray[np.bool_] = np.zeros(blocks(study), dtype=np.bool_)
         self.target = most if rule is None else 1
         self.sums: dict[str, Measurement] = {}
         self._rule, self._most, self._next = rule, most, 0
@@ -57,6 +59,8 @@ class Standing:
     def add(self, block: int, measurements: Sequence[Measurement]) -> bool:
         """Take note of a block, in order; whether it counts in the sums."""
         self.there[block] = True
+        if block >= self._most:
+            return False
         if self._rule is not None and (block != self._next or block >= self.target):
             return False
         for measurement in measurements:
@@ -106,7 +110,7 @@ def standings(
     study: Study, point: Point, methods: Sequence[Method], stored: Iterable[tuple[int, list[Stored]]]
 ) -> Mapping[tuple[str, str], Standing]:
     """How far each estimator has come, from what is stored of a point; a block in memory at a time."""
-    found = {method.labels: Standing(study) for method in methods}
+    found = {method.labels: Standing(study, method.section.blocks) for method in methods}
     for block, by_method in measured_blocks(study, point, stored):
         for labels, standing in found.items():
             if labels in by_method:

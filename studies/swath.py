@@ -4,25 +4,26 @@ from functools import lru_cache
 from typing import Annotated, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+import sim
 from estimators import DelayEstimate
-from estimators.moving_sum import window_sum
 from estimators.windows import Window
-from sim import EchoPair, Plan, Scene, Sonar, plan, simulate
+from sim import EchoPair, Plan, Scene, SnrProfile, Sonar, plan, simulate
 from sim.band import Real
 from sim.scattering import Model
 from studies.quantity import Decibels, Metres
+from studies.scene_readings import Bins, by_kind, over_range
 from studies.scene_sections import FeatureSection, PatchSection, PlanSection, TargetSection
 from studies.section import Section
+from studies.strip_image import Cells
 from studies.world import Reading
 
 
 class Swath(Section):
     """A scene over which a sonar passes; a trial is a row along track, of speckle and noise of its own.
 
-    Every block passes over the same stretch of seabed, from along-track place 0 on.
+    Every block passes over the same stretch of seabed, from along-track place 0 on, unless an `overlap` is given.
 
     Parameters
     ----------
@@ -32,10 +33,19 @@ class Swath(Section):
         What shapes it.
     snr
         Signal-to-noise ratio of the flat floor in either receiver [dB]; inf for no noise. Only without a sediment.
+    snr_profile
+        The ratio over range instead: points [ground range, dB], as of `sim.SnrProfile`.
     sediment, scattering, patches, targets, speckle_shape
         As of `sim.Scene`, sediments by name. With a sediment the levels come from the sonar equation.
     row_spacing
         Distance of rows [m]; the along-track resolution, where they are independent, unless given.
+    sample_spacing
+        Distance of samples in slant range [m], as of `sim.plan`.
+    overlap
+        Where it is given, blocks go on along track where the one before ends, as parts of one scene whose rows do not
+        depend on blocks, and each holds so many rows of its neighbours at either end, for the windows of its own rows.
+    bins
+        Length [m] of the stretches of ground range that errors are read in, a region each; in one region unless given.
     plan
         What is decided of the simulation, whatever the scene requires.
     """
@@ -48,7 +58,11 @@ class Swath(Section):
     patches: tuple[PatchSection, ...] = ()
     targets: tuple[TargetSection, ...] = ()
     speckle_shape: Annotated[float, Field(gt=0)] = float("inf")
+    snr_profile: Annotated[tuple[tuple[Metres, Decibels], ...], Field(min_length=1)] | None = None
     row_spacing: Annotated[Metres, Field(gt=0)] | None = None
+    sample_spacing: Annotated[Metres, Field(gt=0)] | None = None
+    overlap: Annotated[int, Field(ge=0)] | None = None
+    bins: Annotated[Metres, Field(gt=0)] | None = None
     plan: PlanSection = PlanSection()
 
     @model_validator(mode="after")
@@ -56,17 +70,20 @@ class Swath(Section):
         level = self.plan.level
         if self.sediment is not None and "snr" in self.model_fields_set:
             raise ValueError(f"snr is {self.snr:g} dB beside a sediment, whose levels follow; it must be one of them")
+        if self.snr_profile is not None and (self.sediment is not None or "snr" in self.model_fields_set):
+            raise ValueError("snr_profile is given beside a sediment or snr; it must be one of them")
         if level is not None and (level == "even") != (self.sediment is None):
             allowed = "even without a sediment" if self.sediment is None else "flat or local with a sediment"
             raise ValueError(f"plan.level is {level!r}; it must be {allowed}")
         self.scene()
+        self.ratio()
         return self
 
     def scene(self) -> Scene:
         """As the simulator knows it."""
         return _scene(self)
 
-    def required(self, sonar: Sonar, rows: int) -> Plan:
+    def required(self, sonar: Sonar, rows: int, first_row: int = 0) -> Plan:
         """How some of its rows are simulated.
 
         Raises
@@ -77,26 +94,52 @@ class Swath(Section):
         return plan(
             self.scene(),
             sonar,
-            snr=self._snr,
+            snr=self.ratio(),
             rows=rows,
+            first_row=first_row,
             row_spacing=self.row_spacing,
+            sample_spacing=self.sample_spacing,
             tolerance=self.plan.tolerance,
             **self.plan.chosen,
         )
 
-    @property
-    def _snr(self) -> float | None:
+    def ratio(self) -> float | SnrProfile | None:
+        """Signal-to-noise ratio of the flat floor, as the simulator knows it."""
+        if self.snr_profile is not None:
+            return SnrProfile(*zip(*self.snr_profile, strict=True))
         return self.snr if np.isfinite(self.snr) else None
 
     @property
+    def _level(self) -> bool:
+        """Whether the flat floor has one signal-to-noise ratio at all ranges."""
+        return self.sediment is None and self.snr_profile is None
+
+    @property
     def true_coherence(self) -> float:
-        """Coherence that the noise leaves of the flat floor; of a sediment, where it depends on range, NaN."""
-        return 1 / (1 + 10 ** (-self.snr / 10)) if self.sediment is None else np.nan
+        """Coherence that the noise leaves of the flat floor; NaN where it depends on range."""
+        return 1 / (1 + 10 ** (-self.snr / 10)) if self._level else np.nan
 
     @property
     def snr_db(self) -> float:
-        """Signal-to-noise ratio of the flat floor [dB]; of a sediment, where it depends on range, NaN."""
-        return self.snr if self.sediment is None else np.nan
+        """Signal-to-noise ratio of the flat floor [dB]; NaN where it depends on range."""
+        return self.snr if self._level else np.nan
+
+    def snr_at(self, sonar: Sonar, ground_range: Real) -> Real:
+        """Signal-to-noise ratio of the flat floor at ground ranges [dB]."""
+        if self.sediment is not None:
+            return sim.snr(sonar, self.sediment, ground_range, model=self.scattering)
+        ratio = self.ratio()
+        return ratio.at(ground_range) if isinstance(ratio, SnrProfile) else np.full(ground_range.shape, self.snr)
+
+    @property
+    def ranged(self) -> bool:
+        """Where it has bins."""
+        return self.bins is not None
+
+    @property
+    def onward(self) -> bool:
+        """Where its blocks overlap."""
+        return self.overlap is not None
 
     def record(self) -> tuple[int, int]:
         """No window holds a whole scene."""
@@ -109,43 +152,58 @@ class Swath(Section):
             self.simulate(sonar, 1, np.random.default_rng(0))
 
     def shape(self, sonar: Sonar, trials: int) -> tuple[int, int]:
-        """One row a trial, as long as the scene is heard."""
-        return trials, self.required(sonar, 1).grid.samples
+        """One row a trial and those that overlap, as long as the scene is heard."""
+        return trials + 2 * (self.overlap or 0), self.required(sonar, 1).grid.samples
 
-    def simulate(self, sonar: Sonar, trials: int, rng: np.random.Generator) -> EchoPair:
-        """One row a trial, registered to the floor."""
-        return simulate(self.scene(), sonar, rng=rng, snr=self._snr, rows=trials, required=self.required(sonar, trials))
+    def simulate(self, sonar: Sonar, trials: int, rng: np.random.Generator, first: int = 0) -> EchoPair:
+        """One row a trial and those that overlap, registered to the floor."""
+        beyond = self.overlap or 0
+        rows, first_row = trials + 2 * beyond, first - beyond if self.onward else 0
+        required = self.required(sonar, rows, first_row)
+        return simulate(
+            self.scene(), sonar, rng=rng, snr=self.ratio(), rows=rows, first_row=first_row, required=required
+        )
 
     def read(self, pair: EchoPair, window: Window, estimate: DelayEstimate) -> list[Reading]:
-        """Errors outside layover, and in it; there, against the nearest of the parts that are heard at once.
-
-        A cluster is a row: the rows read are as far apart as a window has rows, and further by the along-track
-        resolution where neighbours are alike, so that what one window holds and the next is independent but for side
-        lobes of the resolution, 5 % of power at the most.
-        """
-        truth = pair.truth
-        assert truth is not None
-        assert truth.branches is not None
-        assert truth.layover is not None
-        rows = _apart(pair, window)
-        chosen = rows if np.ndim(truth.delay) == 2 else slice(None)
-        delay, true = estimate.delay[rows], np.atleast_2d(truth.delay)[chosen]
-        readings = [_reading("outside", delay - true, rows, np.atleast_2d(clear(pair, window))[chosen])]
-        heard = np.isfinite(truth.branches).any(axis=0)
-        layover = np.atleast_2d(truth.layover & heard)[chosen]
-        if layover.any():
-            branches = truth.branches.reshape(len(truth.branches), -1, pair.shape[1])[:, chosen]
-            readings.append(_reading("layover", _nearest(delay, branches), rows, layover))
-        return readings
+        """Errors outside layover, and in it; where there are bins, those outside layover alone, a region each."""
+        beyond = self.overlap or 0
+        if self.bins is None:
+            return by_kind(pair, window, estimate, beyond)
+        return over_range(pair, window, estimate, beyond, Bins(self.ground_range, self.bins), self.snr_at)
 
     def traces(self, pair: EchoPair) -> dict[str, Real]:
-        """Slant range [m], and the true delays of all parts heard in the first row [s]."""
+        """Slant range [m], and the true delays of all parts heard in the first row [s].
+
+        Of blocks that go on, images of their own rows: extent of the rows and ground range of the columns [m];
+        intensity, in parts of that of the noise or of the floor; and true height [m].
+        """
         truth, geometry = pair.truth, pair.geometry
         assert truth is not None
         assert truth.branches is not None
         assert geometry is not None
+        if self.onward:
+            assert truth.height is not None
+            cells = self._cells(pair)
+            return {
+                "row extent": np.array([cells.row_extent]),
+                "ground range": geometry.ground_range(pair.grid.times)[cells.columns],
+                "intensity": cells.mean(np.abs(pair.primary) ** 2),
+                "truth": cells.middles(np.broadcast_to(truth.height, pair.shape)),
+            }
         branches = truth.branches if truth.branches.ndim == 2 else truth.branches[:, 0]
-        return {"slant range": pair.grid.times * geometry.sonar.sound_speed / 2, "truth": branches}
+        return {"slant range": geometry.slant_range(pair.grid.times), "truth": branches}
+
+    def trace(self, pair: EchoPair, estimate: DelayEstimate) -> Real:
+        """Delays of the first row [s]; of blocks that go on, heights of their own rows [m], as large as the images."""
+        if not self.onward:
+            delays: Real = estimate.delay[0]
+            return delays
+        assert pair.geometry is not None
+        cells = self._cells(pair)
+        return pair.geometry.height(pair.grid.times[cells.columns], cells.middles(estimate.delay))
+
+    def _cells(self, pair: EchoPair) -> Cells:
+        return Cells.of(pair, self.ground_range, self.overlap or 0)
 
 
 @lru_cache(maxsize=8)
@@ -160,47 +218,3 @@ def _scene(section: Swath) -> Scene:
         targets=[target.made() for target in section.targets],
         speckle_shape=section.speckle_shape,
     )
-
-
-def _apart(pair: EchoPair, window: Window) -> slice:
-    """Rows whose windows lie within the pair and apart from each other; the first whose window might, at the least."""
-    most = window.extent[0]
-    first, beyond = most // 2, pair.shape[0] - (most - 1) // 2
-    return slice(first, max(beyond, first + 1), most + _cell_rows(pair))
-
-
-def _cell_rows(pair: EchoPair) -> int:
-    """Rows within the along-track resolution; none where rows are independent."""
-    return 0 if pair.row_looks == 1 else int(np.ceil(1 / pair.row_looks))
-
-
-def _reading(region: str, errors: Real, rows: slice, counted: NDArray[np.bool_]) -> Reading:
-    """A reading of the samples that count in some row; `counted` has shape (row or 1, time)."""
-    samples = np.asarray(counted.any(axis=0))
-    return Reading(region, errors[:, samples], rows, samples, counted[:, samples])
-
-
-def _nearest(delay: Real, branches: Real) -> Real:
-    """Errors against the nearest of the branches, shape (branch, row or 1, time); NaN where none is heard."""
-    nearest = np.full(delay.shape, np.nan)
-    distance = np.full(delay.shape, np.inf)
-    for branch in branches:
-        nearer = np.abs(delay - branch) < distance
-        nearest = np.where(nearer, delay - branch, nearest)
-        distance = np.where(nearer, np.abs(delay - branch), distance)
-    return nearest
-
-
-def clear(pair: EchoPair, window: Window) -> NDArray[np.bool_]:
-    """Samples whose window, and a resolution cell to either side of it, holds neither shadow nor layover.
-
-    Of the shape of the true delay: (time,) or (rows, time).
-    """
-    truth = pair.truth
-    assert truth is not None
-    rows, samples = window.extent
-    reach = min(samples + 2 * int(np.ceil(pair.sample_rate / pair.bandwidth)), pair.shape[1])
-    unseen = np.atleast_2d(np.isnan(truth.delay)).astype(float)
-    within = rows + 2 * _cell_rows(pair) if len(unseen) > 1 else 1
-    seen = window_sum(unseen, within, reach, circular=True) == 0
-    return np.broadcast_to(seen, unseen.shape).reshape(truth.delay.shape)

@@ -3,12 +3,15 @@
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
+from estimators import bounds
 from studies import statistics
 from studies.design import Point
 from studies.measure import FACTS
 from studies.measurement import Measurement
 from studies.moments import Moments, of_errors
+from studies.world import RANGED
 
 FEW = 10.0
 """Effective number of weighted trials, or of weighted wrap errors, below which a row is marked as resting on a few."""
@@ -70,11 +73,40 @@ def row(point: Point, measurement: Measurement) -> dict[str, Any]:
     }
 
 
+def with_depths(table: pd.DataFrame) -> pd.DataFrame:
+    """A table with the spread of the depth in rows of one range each; itself, where it has none.
+
+    `depth_std_in_wrap` and `depth_std_total`, with wrong wraps, are those of the delay times `r c / D`;
+    `predicted_depth_std` is that of the exact multilook phase and `depth_crlb` the Cramér-Rao bound (paper B, equation
+    3), both at the true coherence. `depth_crlb_sample` is the bound at the mean sample coherence, as paper B takes it,
+    and `depth_crlb_debiased` that at the coherence which this stands for.
+    """
+    if "depth_per_delay" not in table:
+        return table
+    per_delay, looks = table.depth_per_delay, table.looks.to_numpy(dtype=float)
+    per_radian = (per_delay * table.wrap / (2 * np.pi)).to_numpy(dtype=float)
+    sample = table.sample_coherence.to_numpy(dtype=float)
+    debiased = np.nan_to_num(bounds.debias_coherence(sample, looks))
+    coherences = {
+        "depth_crlb": table.coherence.to_numpy(dtype=float),
+        "depth_crlb_sample": sample,
+        "depth_crlb_debiased": debiased,
+    }
+    spreads = ("delay_std_in_wrap", "delay_std_in_wrap_se", "delay_std_total", "delay_std_total_se")
+    return table.assign(
+        **{name.replace("delay", "depth"): table[name] * per_delay for name in spreads},
+        debiased_coherence=debiased,
+        predicted_depth_std=table.predicted_delay_std * per_delay,
+        **{name: per_radian * bounds.phase_crlb(looks, gamma) for name, gamma in coherences.items()},
+    )
+
+
 def columns_at(point: Point) -> list[str]:
     """Columns of the table at a design point."""
     moments, batches = of_errors(np.zeros((2, 1)), np.zeros((2, 1), dtype=np.bool_))
-    facts = dict.fromkeys(FACTS, 1.0)
-    return list(row(point, Measurement("", "", "", 1, facts, moments, batches, 0, [], 0, 0.0)))
+    facts = dict.fromkeys((*FACTS, *RANGED) if point.world.ranged else FACTS, 1.0)
+    only = row(point, Measurement("", "", "", 1, facts, moments, batches, 0, [], 0, 0.0))
+    return list(with_depths(pd.DataFrame([only])).columns)
 
 
 def _with_error(name: str, statistic: statistics.Statistic, scale: float) -> dict[str, float]:

@@ -12,7 +12,7 @@ from estimators.quality import METRICS, roc_area
 from sim import Box, EchoPair, Scene, Sonar, Wedge, simulate, speckle_pair
 from studies import figures
 from studies.drawing import Examples
-from studies.swath import clear
+from studies.scene_readings import clear
 
 SNR = 15.0
 """Of paper A's noisy figure [dB]."""

@@ -26,8 +26,9 @@ from sim import (
 )
 from studies import engine, manifest, report
 from studies.design import points
+from studies.scene_readings import clear
 from studies.study import load
-from studies.swath import Swath, clear
+from studies.swath import Swath
 
 GOOD = """
 name = "mine"
