@@ -113,6 +113,6 @@ class Band:
 
 def circular_gaussian(shape: tuple[int, ...], rng: np.random.Generator) -> Complex:
     """Independent circular complex Gaussian numbers of unit mean power."""
-    parts: Real = rng.standard_normal((*shape, 2))
-    numbers: Complex = (parts[..., 0] + 1j * parts[..., 1]) * np.sqrt(0.5)
+    numbers: Complex = rng.standard_normal((*shape, 2)).view(np.complex128)[..., 0]
+    numbers *= np.sqrt(0.5)
     return numbers

@@ -38,25 +38,20 @@ def place_scatterers(profile: Profile, spacing: float, rng: np.random.Generator)
     return SeabedPoints(segment, share), (profile.lengths / cells)[segment]
 
 
-def echo_spectrum(
-    band: Band, centre_frequency: float, times: Real, amplitudes: Complex, accuracy: float = 1e-12
-) -> Complex:
+def echo_spectrum(band: Band, times: Real, amplitudes: Complex, accuracy: float = 1e-12) -> Complex:
     """Spectrum of the sum of the echoes of all scatterers.
 
-    `p(t) = sum_j a_j h(t - t_j) exp(-2 pi i fc t_j)` with the pulse `h(t) = sum_k v_k exp(2 pi i f_k t)` of the
-    band, `v_k = sqrt(w_k) / sum w`. So `P_k = v_k sum_j a_j exp(-2 pi i fc t_j - 2 pi i f_k (t_j - t_0))`: one type-1
-    non-uniform FFT.
+    `p(t) = sum_j a_j h(t - t_j)` with the pulse `h(t) = sum_k v_k exp(2 pi i f_k t)` of the band, `v_k = sqrt(w_k) /
+    sum w`. So `P_k = v_k sum_j a_j exp(-2 pi i f_k (t_j - t_0))`: one type-1 non-uniform FFT.
 
     Parameters
     ----------
     band
         The band, on a time grid that starts at `t_0`.
-    centre_frequency
-        `fc` [Hz].
     times
         Arrival of each scatterer's echo, `t_j` [s], shape (scatterer,).
     amplitudes
-        Complex strength of each scatterer, `a_j`, shape (rows, scatterer).
+        Complex strength of each scatterer as it is heard, the phase of the carrier included, shape (rows, scatterer).
     accuracy
         Relative accuracy of the transform.
 
@@ -66,8 +61,7 @@ def echo_spectrum(
         Shape (rows, bins).
     """
     phase = (times - band.grid.start) * (2 * np.pi / band.grid.period)
-    carried = amplitudes * np.exp(-2j * np.pi * centre_frequency * times)
-    bins = finufft.nufft1d1(phase, carried, band.harmonics.size, eps=accuracy, isign=-1, nthreads=1)
+    bins = finufft.nufft1d1(phase, amplitudes, band.harmonics.size, eps=accuracy, isign=-1, nthreads=1)
     spectrum: Complex = np.atleast_2d(bins) * (np.sqrt(band.weights) / band.weights.sum())
     return spectrum
 
@@ -76,7 +70,9 @@ def scatterer_spectra(listening: Listening, profile: Profile, rows: range, strea
     """Noise-free spectra of rows with one section at both receivers, shape (rows, bins) each.
 
     Each scatterer has a circular Gaussian strength of its own in every row, so that the speckle is Gaussian at any
-    density; the rows share the places. A scatterer is heard where the transmitter and that receiver see it.
+    density; the rows share the places. As the phase of a strength is any, it is drawn as the primary hears it; the
+    secondary hears it later, and turned by `exp(-2 pi i fc tau)`. A scatterer is heard where the transmitter and that
+    receiver see it.
 
     Parameters
     ----------
@@ -103,10 +99,11 @@ def scatterer_spectra(listening: Listening, profile: Profile, rows: range, strea
         in_range = scattered(_heard_together(profile, points, length, sonar))
         shape = texture_shape(scene.speckle_shape, in_range, plan.along_track)
         amplitudes *= np.sqrt(streams.texture(rows, len(length), shape))
-    primary = echo_spectrum(listening.band, sonar.centre_frequency, times[0], amplitudes, plan.accuracy)
+    primary = echo_spectrum(listening.band, times[0], amplitudes, plan.accuracy)
+    amplitudes *= np.exp(-2j * np.pi * sonar.centre_frequency * (times[1] - times[0]))
     if plan.shadow:
         amplitudes *= sees(profile, points, sonar.altitude + sonar.baseline)
-    return primary, echo_spectrum(listening.band, sonar.centre_frequency, times[1], amplitudes, plan.accuracy)
+    return primary, echo_spectrum(listening.band, times[1], amplitudes, plan.accuracy)
 
 
 def _heard_together(profile: Profile, points: SeabedPoints, length: Real, sonar: Sonar) -> Real:

@@ -24,6 +24,9 @@ def add_targets(primary: Complex, secondary: Complex, listening: Listening, rows
         arrivals = travel_times(sonar, [target.ground_range], target.height)
         level = 10 ** (target.level / 20) * listening.floor(arrivals[0])
         amplitudes: Complex = (level * np.sinc(away[near])[:, None]).astype(np.complex128)
-        spectra = [echo_spectrum(band, sonar.centre_frequency, arrival, amplitudes) for arrival in arrivals]
+        spectra = [
+            echo_spectrum(band, arrival, amplitudes * np.exp(-2j * np.pi * sonar.centre_frequency * arrival))
+            for arrival in arrivals
+        ]
         primary[near] += band.series(spectra[0])
         secondary[near] += listening.registration.series(spectra[1])

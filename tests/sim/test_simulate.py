@@ -37,6 +37,8 @@ def test_series_equal_the_direct_sum_over_scatterers():
     arrivals = travel_times(SONAR, *profile.position(points))
     gaussian = np.array([streams.of(Use.SPECKLE, row).standard_normal((len(length), 2)) for row in range(2)])
     strengths = (gaussian @ [1, 1j]) * np.sqrt(level_of_floor(SONAR, arrivals[0], length) / 2)
+    # Drawn as the primary hears them, at its carrier.
+    strengths = strengths * np.exp(2j * np.pi * SONAR.centre_frequency * arrivals[0])
     seen_above = sees(profile, points, SONAR.altitude + SONAR.baseline)
 
     def passband(times, arrival, strength):
