@@ -24,6 +24,7 @@ MARKS = (
 )
 SCENE = Scene((42.0, 442.0), MARKS, sediment="coarse sand")
 PIXEL = 0.02
+BLOCK = 256
 
 
 def at_pixels(**chosen: object) -> Plan:
@@ -76,10 +77,13 @@ def at_size(rows: int, made: Plan, jobs: int) -> None:
     before = bare_transforms(made)
     start = perf_counter()
     pixels = 0
-    for pair in echo_blocks(SCENE, SONAR, rng=np.random.default_rng(1), rows=rows, required=made, block=128, jobs=jobs):
+    for pair in echo_blocks(
+        SCENE, SONAR, rng=np.random.default_rng(1), rows=rows, required=made, block=BLOCK, jobs=jobs
+    ):
         pixels += pair.primary.size
     spent = perf_counter() - start
-    bare = (before + bare_transforms(made)) / 2 * rows / jobs
+    executed = rows + 2 * made.along_track.halo * -(-rows // BLOCK)
+    bare = (before + bare_transforms(made)) / 2 * executed / jobs
     print(
         f"{made.delays:<10} {pixels / 1e6:6.1f} Mpx  {jobs} threads  {spent:7.1f} s",
         f"{spent / pixels * 1e9:6.0f} ns a pixel  bare transforms {bare:6.1f} s",
