@@ -59,7 +59,7 @@ def depth_maps(table: pd.DataFrame, examples: Examples) -> Figure:
     figure, panels = _maps(examples, len(windows))
     for line, (varied, found) in zip(panels, examples, strict=True):
         for panel, window in zip(line, windows, strict=True):
-            shown = _map(panel, found, found[f"phase {window}"], (-0.5, 0.5), "jet")
+            shown = _map(panel, found, found[f"phase {window}"], (-0.5, 0.5), "viridis")
             panel.set_title(f"{_name(varied)} SNR, {short(window)}", fontsize=10)
         figure.colorbar(shown, ax=line, label="height [m]", pad=0.01)
     return figure
