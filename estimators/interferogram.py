@@ -3,13 +3,13 @@
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.special import stdtr
 
 from estimators.estimate import DelayEstimate
 from estimators.interference import interferogram_with_energy
 from estimators.lag_product import power, scale_of
 from estimators.moving_sum import product_sum, window_sum
 from estimators.peak import Peak
+from estimators.posterior import beyond_edge
 from estimators.search import describe
 from estimators.windows import FixedWindow, Window, WindowPolicy
 from sim import EchoPair
@@ -50,11 +50,7 @@ class Interferogram:
         window = self.window.on(pair)
         window.check(pair)
         estimate = describe(pair, window, at_zero_lag(pair, window), refine=True, search=0.5 / pair.centre_frequency)
-        freedom = 2 * (window.looks(pair) - 1)
-        to_edge = np.minimum(np.pi - np.abs(estimate.phase), np.pi / 2)
-        strength = np.sqrt(freedom / np.maximum((1 - estimate.coherence) * (1 + estimate.coherence), 1e-300))
-        edge = stdtr(np.maximum(freedom, 1e-3), -estimate.coherence * strength * np.sin(to_edge))
-        crossing = np.where(freedom > 0, edge, 0.5)
+        crossing = beyond_edge(estimate.coherence, estimate.phase, window.looks(pair))
         return replace(estimate, wrap_error_probability=crossing, quality=1 - crossing)
 
 

@@ -3,10 +3,13 @@
 import mpmath
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import stats
 from scipy.special import stdtrit
 
 from estimators import CrossCorrelation, FixedWindow, MaximumLikelihood, SplitSpectrum, bounds
-from estimators.posterior import GUESS, NORMAL_95, delay_std
+from estimators.posterior import GUESS, NORMAL_95, beyond_edge, delay_std
 from estimators.wrap_doubt import _mass_table
 from estimators.wrap_doubt_kernels import log_share
 from sim import speckle_pair
@@ -136,3 +139,13 @@ def test_the_coherence_between_lags_does_not_exceed_that_of_the_echoes():
     assert (estimate.coherence > 1 - 1e-6).mean() < 1e-3
     error = np.abs(estimate.delay - 0.3 / FC)
     assert (error <= NORMAL_95 * estimate.delay_std).mean() == pytest.approx(0.95, abs=0.02)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.floats(1.2, 2000.0), st.floats(0.0, 1.0 - 1e-9), st.floats(-np.pi, np.pi))
+def test_the_tail_beyond_the_edge_is_that_of_students_t(looks, coherence, phase):
+    freedom = 2 * (looks - 1)
+    t = coherence * np.sin(min(np.pi - abs(phase), np.pi / 2)) * np.sqrt(freedom / (1 - coherence**2))
+    expected = stats.t.sf(t, freedom)
+    found = beyond_edge(np.full((1, 3), coherence), np.full((1, 3), phase), np.full(3, looks))
+    np.testing.assert_allclose(found, expected, rtol=2e-4, atol=1e-29)
