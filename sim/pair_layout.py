@@ -1,6 +1,7 @@
 """What a file with a pair holds, in netCDF, HDF5 and npz alike: names, units, axes (`docs/measured-data.md`)."""
 
 from collections.abc import Mapping
+from importlib import import_module
 from types import MappingProxyType
 from typing import Any
 
@@ -36,10 +37,9 @@ PLACED = ("altitude", "baseline", "sound_speed")
 def xarray_with_h5netcdf() -> Any:
     """The module xarray; ImportError, in one line, where it or h5netcdf is not installed."""
     try:
-        import h5netcdf  # noqa: F401
-        import xarray
+        import_module("h5netcdf")
+        return import_module("xarray")
     except ImportError as error:
         raise ImportError(
             f"{error.name} is not installed; netCDF and HDF5 need it: pip install 'twinecho[data]'"
         ) from None
-    return xarray
