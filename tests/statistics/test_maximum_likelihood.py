@@ -36,6 +36,7 @@ def rows_of(oracle, name, column):
     return list(zip(table.looks, table.coherence, table[column], strict=True))
 
 
+@pytest.mark.long
 def test_spread_in_the_right_wrap(oracle):
     # The reference of nine looks is the half-width: given the primary, no delay has a standard deviation below the
     # bound of its own power, on average sqrt(N / (N - 1)) times the bound, 1.06.
@@ -53,6 +54,7 @@ def test_many_looks_of_high_coherence_reach_the_bound():
     assert np.std(errors(81, 0.9)) / bounds.coherent_delay_crlb(81, 0.9, FC, B) <= 1.03
 
 
+@pytest.mark.long
 def test_wrap_rate(oracle):
     rates = rows_of(oracle, "wrap_rates", "wrap_rate_ml")
     for (looks, coherence, expected), reference_error in zip(rates, oracle("wrap_rates").wrap_rate_ml_se, strict=True):

@@ -121,6 +121,7 @@ def test_every_search_reaches_one_in_a_million(looks, relative_bandwidth):
             assert found == pytest.approx(1e-6, abs=5 * error + 1e-7)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rate", [0.005, 0.2])
 @pytest.mark.parametrize("looks", [9, 33])
 def test_common_errors_are_as_in_plain_speckle(looks, rate):

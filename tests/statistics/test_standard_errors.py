@@ -43,6 +43,7 @@ def values(rows, name):
     return np.array([r[name] for r in rows])
 
 
+@pytest.mark.long
 def test_reported_errors_are_the_spread_of_repetitions(studies):
     rows, wraps = studies
     names = ["delay_bias", "delay_std_in_wrap", "delay_bias_total", "delay_std_total", "rmse"]

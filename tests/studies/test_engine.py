@@ -151,6 +151,7 @@ def test_blocks_of_another_design_are_not_used(small, plain, table_of, tmp_path)
     pd.testing.assert_frame_equal(table_of(small, PLAIN, tmp_path / "plain"), plain, check_exact=True)
 
 
+@pytest.mark.long
 def test_runs_killed_at_random_moments_go_on_to_the_same_bits(small, table_of, tmp_path):
     larger = small.with_values({"trials.count": 4000, "trials.block": 50})
     plain = table_of(larger, PLAIN, tmp_path / "plain")

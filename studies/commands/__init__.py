@@ -1,0 +1,1 @@
+"""What each command of `twinecho` does, and what it shows."""
