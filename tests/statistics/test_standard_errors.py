@@ -13,6 +13,8 @@ from studies.table import row
 
 STUDIES, TRIALS = 1000, 400
 
+pytestmark = pytest.mark.long
+
 
 def repeated(looks, snr):
     study = catalogue.study("wrap-errors").of_estimators(["cross-correlation"])
@@ -43,7 +45,6 @@ def values(rows, name):
     return np.array([r[name] for r in rows])
 
 
-@pytest.mark.long
 def test_reported_errors_are_the_spread_of_repetitions(studies):
     rows, wraps = studies
     names = ["delay_bias", "delay_std_in_wrap", "delay_bias_total", "delay_std_total", "rmse"]
