@@ -1,0 +1,27 @@
+"""The answer of a study that has no words of its own for it."""
+
+import pandas as pd
+
+MAIN = {
+    "wrap_rate": "the wrap-error rate",
+    "std_over_crlb": "the in-wrap spread over the Cramér-Rao bound",
+    "rmse": "the RMSE in seconds",
+}
+"""Columns that are told, and their names."""
+
+
+def plain_answer(table: pd.DataFrame) -> str:
+    """From what to what the main results of each estimator go; empty for a table without estimators."""
+    if "estimator" not in table or not any(column in table for column in MAIN):
+        return ""
+    said = []
+    for name, rows in table.groupby("estimator", sort=False):
+        ranges = [f"{MAIN[c]} is {_range(rows[c])}" for c in MAIN if c in rows and rows[c].notna().any()]
+        if ranges:
+            said.append(f"{name}, {len(rows)} rows: {', '.join(ranges)}")
+    return f"{'. '.join(said)}." if said else ""
+
+
+def _range(values: "pd.Series[float]") -> str:
+    low, high = f"{values.min():.3g}", f"{values.max():.3g}"
+    return low if low == high else f"{low} to {high}"
