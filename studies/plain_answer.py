@@ -3,11 +3,11 @@
 import pandas as pd
 
 MAIN = {
-    "wrap_rate": "the wrap-error rate",
-    "std_over_crlb": "the in-wrap spread over the Cramér-Rao bound",
-    "rmse": "the RMSE in seconds",
+    "wrap_rate": ("the wrap-error rate", ""),
+    "std_over_crlb": ("the in-wrap spread", " times the Cramér-Rao bound"),
+    "rmse": ("the RMSE", " s"),
 }
-"""Columns that are told, and their names."""
+"""Columns that are told: their names and units."""
 
 
 def plain_answer(table: pd.DataFrame) -> str:
@@ -16,7 +16,8 @@ def plain_answer(table: pd.DataFrame) -> str:
         return ""
     said = []
     for name, rows in table.groupby("estimator", sort=False):
-        ranges = [f"{MAIN[c]} is {_range(rows[c])}" for c in MAIN if c in rows and rows[c].notna().any()]
+        told = {c: words for c, words in MAIN.items() if c in rows and rows[c].notna().any()}
+        ranges = [f"{what} is {_range(rows[column])}{unit}" for column, (what, unit) in told.items()]
         if ranges:
             said.append(f"{name}, {len(rows)} rows: {', '.join(ranges)}")
     return f"{'. '.join(said)}." if said else ""

@@ -195,7 +195,12 @@ def wrap_errors(table: pd.DataFrame, examples: Examples) -> Figure:
             panel.plot(of_window.ground_range, of_window.predicted_wrap_rate, "--", color=colour, linewidth=1)
         panel.axhline(0.01, color="black", linewidth=0.8)
         panel.set(yscale="log", ylim=(1e-4, 1.2))
-        panel.legend(fontsize=8, loc="upper left", title="dashed: predicted; bars: 95 % intervals", title_fontsize=8)
+        panel.legend(
+            fontsize=8,
+            loc="upper left",
+            title="dashed: predicted; bars: 95 % intervals; on the floor: none seen",
+            title_fontsize=8,
+        )
     return figure
 
 
