@@ -57,7 +57,7 @@ def page(
         short=sortable(study.summary.of(table)),
         figures="\n".join(_figure(f"f{number}-", *item) for number, item in enumerate(figures.items())),
         table=all_of(table),
-        provenance=listed([("seed", found["seed"]), *_by_key(runs)]),
+        provenance=listed([("seed", found["seed"]), *_own_estimators(found["fixed"]), *_by_key(runs)]),
         code=text(_code(runs[-1])),
         seed=text(found["seed"]),
         design=text(json.dumps(found["study"], indent=2, ensure_ascii=False)),
@@ -84,6 +84,12 @@ def _by_key(runs: Sequence[Mapping[str, Any]]) -> list[list[Any]]:
     """What each run was made with, a row for each thing and a column for each run."""
     keys = dict.fromkeys(key for run in runs for key in run)
     return [[key, *("not known" if run.get(key) is None else run[key] for run in runs)] for key in keys]
+
+
+def _own_estimators(fixed: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Estimators that are not of this package, each with its own package or the digest of its file."""
+    estimators = [value for key, value in fixed.items() if key.startswith("estimators.")]
+    return [(f"estimator {e['method']}", e["source"]) for e in estimators if e.get("source")]
 
 
 def _doubts(runs: Sequence[Mapping[str, Any]]) -> list[str]:

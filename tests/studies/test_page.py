@@ -201,6 +201,7 @@ def test_a_page_says_where_it_comes_from(tmp_path, commits, said):
     study = made({**TREE, "question": "What?", "figures": []}, "test")
     manifest.begin(study, 7, tmp_path)
     found = json.loads((tmp_path / manifest.NAME).read_text())
+    found["fixed"]["estimators.own"] = {"method": "whitened", "options": {}, "source": "delays 1.5 0123456789abcdef"}
     found["runs"] = [{"commit": commit, "numpy": "2.0.1", "machine": "x86_64"} for commit in commits]
     (tmp_path / manifest.NAME).write_text(json.dumps(found))
     root = ElementTree.fromstring(page(study, table_of(), "Yes.", [], {}, tmp_path))
@@ -211,6 +212,9 @@ def test_a_page_says_where_it_comes_from(tmp_path, commits, said):
     assert pres[1:3] == ["twinecho run manifest.json --seed 7 --out again", "twinecho report ."]
     rows = [["".join(cell.itertext()) for cell in row] for row in root.iter("tr")]
     assert ["seed", "7"] in rows
+    assert [row for row in rows if row[0].startswith("estimator ")] == [
+        ["estimator whitened", "delays 1.5 0123456789abcdef"]
+    ]
     assert ["commit", *(commit or "not known" for commit in commits)] in rows
 
 
