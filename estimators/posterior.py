@@ -21,13 +21,13 @@ Looks = float | Real
 
 NODES = 129
 """Coherences at which intervals are tabulated: even steps in the angle whose sine they are, with which intervals near
-full coherence go to zero on a straight line; from where they no longer fill the wrap, which in a narrow band is late."""
+full coherence go to zero on a straight line: from where they no longer fill the wrap, late in a narrow band."""
 
 LAST_NODES = 41
 """More, at even ratios of the angle's distance from the quarter turn, in the last step."""
 
 ROUNDING = 3e-7
-"""Least such distance, and root of `1 - g^2`, that rounding leaves to be told; nearer to 1 a coherence claims no more."""
+"""Least such distance, and root of `1 - g^2`, that rounding leaves to be told; nearer to 1 nothing more is claimed."""
 
 GUESS = 0.475
 """Half-width of the 95 % interval of a guess within a wrap [wraps]."""
