@@ -19,7 +19,8 @@ def plain_answer(table: pd.DataFrame) -> str:
         told = {c: words for c, words in MAIN.items() if c in rows and rows[c].notna().any()}
         ranges = [f"{what} is {_range(rows[column])}{unit}" for column, (what, unit) in told.items()]
         if ranges:
-            said.append(f"{name}, {len(rows)} rows: {', '.join(ranges)}")
+            counted = "1 row" if len(rows) == 1 else f"{len(rows)} rows"
+            said.append(f"{name}, {counted}: {', '.join(ranges)}")
     return f"{'. '.join(said)}." if said else ""
 
 

@@ -183,7 +183,7 @@ def test_tables_hold_what_is_told():
 
 def test_a_study_without_words_has_ranges():
     table = pd.DataFrame({"estimator": ["a", "a", "b"], "wrap_rate": [0.25, 0.5, 0.125], "rmse": [np.nan, np.nan, 2.0]})
-    said = ["a, 2 rows: the wrap-error rate is 0.25 to 0.5", "b, 1 rows: the wrap-error rate is 0.125, the RMSE is 2 s"]
+    said = ["a, 2 rows: the wrap-error rate is 0.25 to 0.5", "b, 1 row: the wrap-error rate is 0.125, the RMSE is 2 s"]
     assert plain_answer(table) == f"{'. '.join(said)}."
     assert plain_answer(pd.DataFrame({"sediment": ["silt"]})) == ""
 
