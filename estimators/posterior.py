@@ -127,7 +127,8 @@ def beyond_edge(coherence: Real, phase: Real, looks: Looks) -> Real:
     beyond = np.empty(np.shape(coherence))
     for number, one in enumerate(distinct):
         at = slice(None) if len(distinct) == 1 else which == number
-        beyond[..., at] = np.exp(read_even(place[..., at], *_log_beyond(float(one)), beyond=-np.inf)) if one > 1 else 0.5
+        table = _log_beyond(float(one)) if one > 1 else None
+        beyond[..., at] = 0.5 if table is None else np.exp(read_even(place[..., at], *table, beyond=-np.inf))
     return beyond
 
 

@@ -20,9 +20,6 @@ from studies.timing import Case, in_turns, peak_bytes
 TOLERANCE = 0.1
 """How far an exponent may be from what is promised."""
 
-TURNS = 5
-"""Times that each size is timed; the least counts."""
-
 SHORTEST = 0.004
 """Seconds of a turn at least: what is shorter is done several times in it."""
 
@@ -41,25 +38,25 @@ def measure(sonar: Sonar, rows: int, rng: np.random.Generator) -> pd.DataFrame:
     sonar
         Of all stages.
     rows
-        Rows of what is not varied over rows: 4 and more keep fixed costs small beside what grows.
+        Rows of what is not varied over rows; each size is timed so many times and once more.
     rng
         Source of the echoes.
     """
     found: list[dict[str, Any]] = []
     with one_thread():
         for sweep in sweeps(sonar, rows, rng):
-            found += _rows(sweep, "time", least_times(sweep), sweep.time)
+            found += _rows(sweep, "time", least_times(sweep, rows + 1), sweep.time)
             if sweep.variable != "jobs":
                 found += _rows(sweep, "memory", [peak_bytes(case) for case in sweep.cases], sweep.memory)
     return pd.DataFrame(found)
 
 
-def least_times(sweep: Sweep) -> list[float]:
-    """Least time of each size [s]."""
+def least_times(sweep: Sweep, turns: int) -> list[float]:
+    """Least time of each size in so many turns [s]."""
     once = in_turns({str(size): case for size, case in zip(sweep.sizes, sweep.cases, strict=True)}, 1, sweep.clock)
     often = [max(1, math.ceil(SHORTEST / max(float(times[0]), 1e-6))) for times in once.values()]
     cases = {str(size): _several(case, n) for size, case, n in zip(sweep.sizes, sweep.cases, often, strict=True)}
-    found = in_turns(cases, TURNS, sweep.clock)
+    found = in_turns(cases, turns, sweep.clock)
     return [float(times.min()) / n for times, n in zip(found.values(), often, strict=True)]
 
 

@@ -49,14 +49,14 @@ DENSITIES = spread(4, 128, 6)
 """Scatterers in a resolution."""
 
 WINDOWS = [9, 17, 33, 65, 129, 257]
-SEARCHES = spread(1, 64, 7)
+SEARCHES = spread(1, 32, 6)
 """Largest delay that is searched [1 / B]."""
 
-BLOCKS = spread(4, 256, 7)
+BLOCKS = spread(4, 128, 6)
 """Of the engine's trials."""
 
-RECORD, WINDOW = 512, 33
-"""Samples of a record of which something else is varied, and of the usual window."""
+RECORD, WINDOW, TALL = 512, 33, 160
+"""Samples of a record of which something else is varied, those of the usual window, and rows that hold tall windows."""
 
 
 def n_log_n(sizes: Sequence[float]) -> float:
@@ -107,7 +107,7 @@ def sweeps(sonar: Sonar, rows: int, rng: np.random.Generator) -> Iterator[Sweep]
     yield from _scenes(sonar, rows)
     for name, method in METHODS.items():
         yield from _estimator(name, method, sonar, rows, rng)
-    yield from _windows(sonar, rows, rng)
+    yield from _windows(sonar, rng)
     yield from _engine()
 
 
@@ -203,9 +203,9 @@ def _estimator(name: str, method: Method, sonar: Sonar, rows: int, rng: np.rando
         yield Sweep(name, "lags", lags, [case(rows, RECORD, usual, n) for n in SEARCHES], 1, None)
 
 
-def _windows(sonar: Sonar, rows: int, rng: np.random.Generator) -> Iterator[Sweep]:
+def _windows(sonar: Sonar, rng: np.random.Generator) -> Iterator[Sweep]:
     """Windows along track, and windows of eight sizes that vary with range."""
-    pair = _patch(sonar, 64 * rows, RECORD, rng)
+    pair = _patch(sonar, TALL, RECORD, rng)
     for name in ("interferogram", "cross-correlation"):
         method = METHODS[name]
 
@@ -216,8 +216,11 @@ def _windows(sonar: Sonar, rows: int, rng: np.random.Generator) -> Iterator[Swee
         sizes = [n for n in WINDOWS if n <= len(pair.primary)]
         yield Sweep(name, "window along track", sizes, [case(FixedWindow(n, 1)) for n in sizes], 0, 0)
         steps = [np.repeat(np.ceil(n * np.arange(1, 9) / 8), RECORD // 8).astype(np.int64) for n in sizes]
-        varying = [case(VaryingWindow(sizes, sizes)) for sizes in steps]
-        yield Sweep(f"{name}, window varies", "window", sizes, varying, 0, 0)
+        for variable, rows in (("window in time", 1), ("window of both", None)):
+            varying = [case(VaryingWindow(step if rows is None else np.ones_like(step), step)) for step in steps]
+            # Rows around a block count, where it holds but few windows.
+            promised = 0 if rows or name == "interferogram" else None
+            yield Sweep(f"{name}, window varies", variable, sizes, varying, promised, 0)
 
 
 def _engine() -> Iterator[Sweep]:
@@ -239,5 +242,5 @@ def _engine() -> Iterator[Sweep]:
     yield Sweep("engine", "trials", [n * block for n in BLOCKS], [case(n, 1) for n in BLOCKS], 1, 0)
     jobs = list(takewhile(lambda n: n <= (os.cpu_count() or 1), (1, 2, 4, 8, 16, 32)))
     if len(jobs) > 1:
-        many = [case(4 * BLOCKS[-1], n) for n in jobs]
+        many = [case(2 * BLOCKS[-1], n) for n in jobs]
         yield Sweep("engine", "jobs", jobs, many, -1, None, clock=perf_counter)
