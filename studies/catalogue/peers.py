@@ -164,6 +164,7 @@ def _delays(sonar: Sonar, records: int, rng: np.random.Generator) -> Task:
         "ours, cross-correlation without refinement": lambda: methods.cross_correlation(pair, refine=False),
         "ours, maximum likelihood": lambda: methods.maximum_likelihood(pair),
         "scipy.signal resample, parabola": lambda: methods.resampled_peaks(pair),
+        "scipy.signal resample, then our phase": lambda: methods.with_phase(pair, methods.resampled_peaks(pair)),
         "scipy.signal correlate, parabola": lambda: methods.correlated_peaks(pair),
         "scikit-image phase_cross_correlation": lambda: methods.scikit_image(pair, None),
         "scikit-image phase_cross_correlation, whitened": lambda: methods.scikit_image(pair, "phase"),
@@ -204,7 +205,7 @@ def _echoes(sonar: Sonar, rng: np.random.Generator) -> Task:
         "ours, accuracy 2e-7": lambda: methods.our_echoes(band, times, strengths, 2e-7),
         "ours, accuracy 1e-12": lambda: methods.our_echoes(band, times, strengths, 1e-12),
         "nearest sample, FFT": lambda: methods.gridded_echoes(band, times, strengths),
-        "direct summation": lambda: methods.direct_echoes(band, times, strengths),
+        "direct summation, exact": lambda: methods.direct_echoes(band, times, strengths),
     }
     return Task("echoes", dict.fromkeys(works, len(strengths)), tuple(works)[:2], works, errors)
 
@@ -239,7 +240,7 @@ def figure(table: pd.DataFrame, examples: Examples) -> Figure:
         panel.set_yscale("log")
         # Room for the legend.
         low, high = panel.get_ylim()
-        panel.set_ylim(low / 3, high * (high / low) ** 0.6)
+        panel.set_ylim(low / 3, 10 * high * (high / low) ** 0.6)
         panel.margins(x=0.1)
         panel.set_title(str(task), fontsize=10)
         panel.set_ylabel(UNITS[str(task)], fontsize=8)

@@ -53,9 +53,12 @@ def measure(sonar: Sonar, rows: int, rng: np.random.Generator) -> pd.DataFrame:
 
 def least_times(sweep: Sweep, turns: int) -> list[float]:
     """Least time of each size in so many turns [s]."""
-    once = in_turns({str(size): case for size, case in zip(sweep.sizes, sweep.cases, strict=True)}, 1, sweep.clock)
-    often = [max(1, math.ceil(SHORTEST / max(float(times[0]), 1e-6))) for times in once.values()]
-    cases = {str(size): _several(case, n) for size, case, n in zip(sweep.sizes, sweep.cases, often, strict=True)}
+    often = []
+    for case in sweep.cases:
+        start = sweep.clock()
+        case()
+        often.append(max(1, math.ceil(SHORTEST / max(sweep.clock() - start, SHORTEST / 1000))))
+    cases = {str(n): _several(case, k) for n, case, k in zip(sweep.sizes, sweep.cases, often, strict=True)}
     found = in_turns(cases, turns, sweep.clock)
     return [float(times.min()) / n for times, n in zip(found.values(), often, strict=True)]
 
@@ -104,9 +107,9 @@ def answer(table: pd.DataFrame) -> str:
         ("patch", "samples"),
         ("engine", "trials"),
     ]
-    times = sweeps_of[sweeps_of.of == "time"].set_index(["stage", "variable"])
-    exponents = ", ".join(f"{stage} over {variable} {times.exponent[stage, variable]:.2f}" for stage, variable in named)
-    said += f"; of time: {exponents}"
+    times = sweeps_of[sweeps_of.of == "time"].set_index(["stage", "variable"]).exponent
+    exponents = [f"{stage} over {over} {times[stage, over]:.2f}" for stage, over in named if (stage, over) in times]
+    said += f"; of time: {', '.join(exponents)}" if exponents else ""
     jobs = table[(table.variable == "jobs") & (table.of == "time")]
     if len(jobs):
         most = jobs.iloc[-1]

@@ -52,7 +52,7 @@ WINDOWS = [9, 17, 33, 65, 129, 257]
 SEARCHES = spread(1, 32, 6)
 """Largest delay that is searched [1 / B]."""
 
-BLOCKS = spread(4, 128, 6)
+BLOCKS = spread(4, 64, 5)
 """Of the engine's trials."""
 
 RECORD, WINDOW, TALL = 512, 33, 160
