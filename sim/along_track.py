@@ -76,11 +76,21 @@ class AlongTrack:
 @compiled
 def _gather(rows: Real, weights: Real, gathered: Real) -> None:
     """Add up weighted rows, always in the same order, in stretches that stay in the cache."""
+    taps = len(weights)
     for start in range(0, rows.shape[1], STRETCH):
         stop = min(start + STRETCH, rows.shape[1])
         for row in range(len(gathered)):
             total = gathered[row, start:stop]
-            for offset in range(len(weights)):
-                weight, one = weights[offset], rows[row + offset, start:stop]
+            # By fours the sum is written to memory a quarter as often.
+            for tap in range(0, taps - 3, 4):
+                a, b, c, d = weights[tap], weights[tap + 1], weights[tap + 2], weights[tap + 3]
+                first, second = rows[row + tap, start:stop], rows[row + tap + 1, start:stop]
+                third, fourth = rows[row + tap + 2, start:stop], rows[row + tap + 3, start:stop]
+                for column in range(len(total)):
+                    total[column] = (
+                        total[column] + a * first[column] + b * second[column] + c * third[column] + d * fourth[column]
+                    )
+            for tap in range(taps - taps % 4, taps):
+                weight, one = weights[tap], rows[row + tap, start:stop]
                 for column in range(len(total)):
                     total[column] += weight * one[column]

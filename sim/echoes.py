@@ -1,6 +1,5 @@
 """Echoes of scatterers that lie anywhere: from places and strengths to band-limited series."""
 
-import finufft
 import numpy as np
 
 from sim.band import Band, Complex, Real
@@ -11,6 +10,7 @@ from sim.profile import Profile, SeabedPoints
 from sim.sonar import Sonar
 from sim.streams import Streams, Use
 from sim.texture import scattered, texture_shape
+from sim.transforms import to_spectrum
 from sim.visibility import sees
 
 
@@ -61,8 +61,8 @@ def echo_spectrum(band: Band, times: Real, amplitudes: Complex, accuracy: float 
         Shape (rows, bins).
     """
     phase = (times - band.grid.start) * (2 * np.pi / band.grid.period)
-    bins = finufft.nufft1d1(phase, amplitudes, band.harmonics.size, eps=accuracy, isign=-1, nthreads=1)
-    spectrum: Complex = np.atleast_2d(bins) * (np.sqrt(band.weights) / band.weights.sum())
+    spectrum = to_spectrum(phase, amplitudes, band.harmonics.size, accuracy)
+    spectrum *= np.sqrt(band.weights) / band.weights.sum()
     return spectrum
 
 
@@ -94,7 +94,7 @@ def scatterer_spectra(listening: Listening, profile: Profile, rows: range, strea
         points, length = points.chosen(seen), length[seen]
     times = travel_times(sonar, *profile.position(points))
     power = scatterer_power(scene, sonar, profile, points, length, plan.level)
-    amplitudes = streams.gaussian(Use.SPECKLE, rows, len(length)) * np.sqrt(power)
+    amplitudes = streams.gaussian(Use.SPECKLE, rows, np.sqrt(power))
     if np.isfinite(scene.speckle_shape):
         in_range = scattered(_heard_together(profile, points, length, sonar))
         shape = texture_shape(scene.speckle_shape, in_range, plan.along_track)

@@ -99,14 +99,15 @@ def _branches(heard: Heard, delay: Real, times: int) -> Real:
 def stacked(truths: Sequence[Truth]) -> Truth:
     """The truths of rows, one each, as that of them all: arrays of shape (rows, time)."""
     most = max(len(truth.branches) for truth in truths if truth.branches is not None)
-    branches = np.full((most, len(truths), len(truths[0].delay)), np.nan)
+    branches = np.empty((most, len(truths), len(truths[0].delay)))
     for row, truth in enumerate(truths):
-        if truth.branches is not None:
-            branches[: len(truth.branches), row] = truth.branches
+        found = 0 if truth.branches is None else len(truth.branches)
+        branches[:found, row] = truth.branches
+        branches[found:, row] = np.nan
     return Truth(
-        delay=np.array([truth.delay for truth in truths]),
-        height=np.array([truth.height for truth in truths]),
-        shadow=np.array([truth.shadow for truth in truths]),
-        layover=np.array([truth.layover for truth in truths]),
+        delay=np.stack([truth.delay for truth in truths]),
+        height=np.stack([truth.height for truth in truths]),
+        shadow=np.stack([truth.shadow for truth in truths]),
+        layover=np.stack([truth.layover for truth in truths]),
         branches=branches,
     )
