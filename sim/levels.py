@@ -144,9 +144,10 @@ def _power_of(
 
 @compiled
 def _place(sine: float, last: int) -> int:
-    """The number of the last of `SINES` that is not above a sine, but for the last of all; `last` is a guess."""
-    if SINES[last] <= sine < SINES[last + 1]:
-        return last
+    """The number of the last of `SINES` that is not above a sine, but for the last of all; `last` is near it."""
+    for place in (last, max(last - 1, 0), min(last + 1, len(SINES) - 2)):
+        if SINES[place] <= sine < SINES[place + 1]:
+            return place
     return min(max(int(np.searchsorted(SINES, sine, "right")) - 1, 0), len(SINES) - 2)
 
 
