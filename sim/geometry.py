@@ -1,11 +1,13 @@
 """Where things are and when they are heard: slant range, delay, height."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from sim.band import Real
+from sim.compiled import compiled
 from sim.sonar import Sonar
 
 
@@ -148,6 +150,11 @@ class Geometry:
         left: Real = time_secondary - time - excess / (self.sonar.sound_speed**2 * time_secondary)
         return left
 
+    def left_delay(self, ground_range: Real, height: Real) -> Real:
+        """Delay that registration leaves of points [m], shape (point,): `registered_delay` of their `travel_times`."""
+        sonar = self.sonar
+        return _left_delay(ground_range, height, float(sonar.altitude), float(sonar.baseline), float(sonar.sound_speed))
+
     def height(self, time: ArrayLike, delay: ArrayLike) -> Real:
         """Height of the seabed from a delay as registration left it.
 
@@ -174,3 +181,16 @@ class Geometry:
             2 * sonar.baseline
         )
         return height
+
+
+@compiled
+def _left_delay(ground_range: Real, height: Real, altitude: float, baseline: float, sound_speed: float) -> Real:
+    left = np.empty(len(ground_range))
+    excess = baseline * (baseline + 2 * altitude)
+    for point in range(len(left)):
+        depression = altitude - height[point]
+        slant = math.sqrt(ground_range[point] ** 2 + depression**2)
+        slant_secondary = math.sqrt(ground_range[point] ** 2 + (depression + baseline) ** 2)
+        time_secondary = (slant + slant_secondary) / sound_speed
+        left[point] = time_secondary - 2 * slant / sound_speed - excess / (sound_speed**2 * time_secondary)
+    return left

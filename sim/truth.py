@@ -36,7 +36,7 @@ def truth(profile: Profile, geometry: Geometry, times: Real, primary: Heard | No
     secondary = heard_at(profile, sonar, times + plane_delay(sonar, times), upper)
     parts, parts_above = (np.bincount(heard.sample, minlength=len(times)) for heard in (primary, secondary))
     common = primary.chosen(sees(profile, primary.points, upper))
-    delay = geometry.registered_delay(*travel_times(sonar, common.ground_range, common.height))
+    delay = geometry.left_delay(common.ground_range, common.height)
     unique = (parts == 1) & (parts_above == 1) & (np.bincount(common.sample, minlength=len(times)) == 1)
     alone = unique[common.sample]
     only_delay, only_height = np.full((2, len(times)), np.nan)
@@ -60,13 +60,12 @@ def truth_in_order(profile: Profile, geometry: Geometry, times: Real, primary: H
     profile, geometry, times, primary
         As for `truth`.
     """
-    sonar = geometry.sonar
-    ends = profile.ground_range[[0, -1]], profile.height[[0, -1]]
-    first, last = travel_times(sonar, *ends)[1]
-    above = times + plane_delay(sonar, times)
-    shadow = (above < first) | (above >= last)
+    ends = travel_times(geometry.sonar, profile.ground_range[[0, -1]], profile.height[[0, -1]])
+    # When the registered secondary hears the ends.
+    first, last = ends[0] + geometry.registered_delay(*ends)
+    shadow = (times < first) | (times >= last)
     delay, height = np.full((2, len(times)), np.nan)
-    delay[primary.sample] = geometry.registered_delay(*travel_times(sonar, primary.ground_range, primary.height))
+    delay[primary.sample] = geometry.left_delay(primary.ground_range, primary.height)
     height[primary.sample] = primary.height
     shadow |= np.isnan(delay)
     # Where the secondary hears nothing, the branch stays.

@@ -6,7 +6,6 @@ from numpy.typing import NDArray
 
 from sim.band import Complex, Real
 from sim.compiled import compiled
-from sim.geometry import travel_times
 from sim.levels import scatterer_power
 from sim.listening import Listening
 from sim.passes import scale
@@ -108,7 +107,7 @@ def _move(series: Complex, spectrum: Complex, listening: Listening, sections: li
     for number, (_, heard) in enumerate(sections):
         rows = slice(None) if len(sections) == 1 else slice(number, number + 1)
         delay = np.zeros(grid.samples)
-        left = listening.geometry.registered_delay(*travel_times(listening.sonar, heard.ground_range, heard.height))
+        left = listening.geometry.left_delay(heard.ground_range, heard.height)
         # A scene shorter than a sample may lie between two.
         if left.size:
             _spread(grid.times, heard.sample, left, delay)
