@@ -29,12 +29,12 @@ def travel_times(sonar: Sonar, ground_range: ArrayLike, height: ArrayLike) -> tu
     tuple of arrays
         `t_p` and `t_s` [s].
     """
-    depression = sonar.altitude - np.asarray(height, dtype=float)
-    square = np.square(np.asarray(ground_range, dtype=float))
-    # Four times as fast as hypot, which is for numbers whose squares are out of range.
-    slant = np.sqrt(square + depression**2)
-    slant_secondary = np.sqrt(square + (depression + sonar.baseline) ** 2)
-    return 2 * slant / sonar.sound_speed, (slant + slant_secondary) / sonar.sound_speed
+    places = np.broadcast_arrays(np.asarray(ground_range, dtype=float), np.asarray(height, dtype=float))
+    shape = places[0].shape
+    times = _travel_times(
+        places[0].ravel(), places[1].ravel(), float(sonar.altitude), float(sonar.baseline), float(sonar.sound_speed)
+    )
+    return times[0].reshape(shape), times[1].reshape(shape)
 
 
 def plane_delay(sonar: Sonar, time: ArrayLike) -> Real:
@@ -181,6 +181,21 @@ class Geometry:
             2 * sonar.baseline
         )
         return height
+
+
+@compiled
+def _travel_times(
+    ground_range: Real, height: Real, altitude: float, baseline: float, sound_speed: float
+) -> tuple[Real, Real]:
+    time, time_secondary = np.empty(len(ground_range)), np.empty(len(ground_range))
+    for point in range(len(time)):
+        square, depression = ground_range[point] ** 2, altitude - height[point]
+        # Four times as fast as hypot, which is for numbers whose squares are out of range.
+        slant = math.sqrt(square + depression**2)
+        slant_secondary = math.sqrt(square + (depression + baseline) ** 2)
+        time[point] = 2 * slant / sound_speed
+        time_secondary[point] = (slant + slant_secondary) / sound_speed
+    return time, time_secondary
 
 
 @compiled

@@ -123,13 +123,16 @@ def _power_of(
     """Strength, from the table of the last sediment whose ends hold a point, times beam and length."""
     power = np.empty(len(segments))
     angle = depression = 0
+    last, long = -1, 0.0
     for point in range(len(segments)):
         segment, share = segments[point], shares[point]
         near, low = corner_range[segment], corner_height[segment]
         along, up = corner_range[segment + 1] - near, corner_height[segment + 1] - low
+        if segment != last:
+            last, long = segment, math.sqrt(along**2 + up**2)
         ground_range, depth = near + share * along, altitude - (low + share * up)
         slant = math.sqrt(ground_range**2 + depth**2)
-        sine = (along * depth + up * ground_range) / (math.sqrt(along**2 + up**2) * slant)
+        sine = (along * depth + up * ground_range) / (long * slant)
         sediment = 0
         for patch in range(1, len(ends)):
             if ends[patch, 0] <= ground_range < ends[patch, 1]:
