@@ -1,14 +1,18 @@
 """Echoes of a seabed that is heard one part at a time: one series, and what a local warp of time makes of it."""
 
+from functools import lru_cache
+
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
 from sim.band import Complex, Real
 from sim.compiled import compiled
+from sim.heard import heard_at
 from sim.levels import scatterer_power
 from sim.listening import Listening
 from sim.passes import scale
+from sim.profile import Profile, SeabedPoints
 from sim.section import Section
 from sim.streams import Streams, Use
 from sim.texture import sampled, texture_shape
@@ -72,15 +76,56 @@ def _samples(listening: Listening, sections: list[Section], rows: range, streams
 
 
 def _amplitude(listening: Listening, section: Section) -> Real:
-    """Amplitude of the scatterer at every sample, for the length of seabed that is heard within a sample."""
-    sonar, grid, (profile, heard) = listening.sonar, listening.plan.grid, section
-    if (np.diff(heard.sample) <= 0).any():
+    """Amplitude of the scatterer at every sample: that of the floor where the section lies on it."""
+    profile, (points, _, _, sample, _) = section
+    # The ends of a furrow are off by what a cosine is.
+    low = np.abs(profile.height) < 1e-15
+    on_floor = low[:-1] & low[1:] & (not listening.scene.patches)
+    amplitude = np.zeros(listening.plan.grid.samples)
+    others = _as_floor(amplitude, _floor(listening), on_floor, points.segment, sample)
+    if others is None:
         raise ValueError("delays is 'warp'; it must be 'scatterers' for a seabed that is heard several parts at a time")
-    length = sonar.sound_speed / (2 * grid.sample_rate) / np.abs(profile.closing(heard.points, sonar.altitude))
-    amplitude = np.zeros(grid.samples)
-    power = scatterer_power(listening.scene, sonar, profile, heard.points, length, listening.plan.level)
-    amplitude[heard.sample] = np.sqrt(power)
+    points = SeabedPoints(points.segment[others], points.share[others])
+    amplitude[sample[others]] = _own_amplitude(listening, profile, points)
     return amplitude
+
+
+@lru_cache(maxsize=8)
+def _floor(listening: Listening) -> Real:
+    """Amplitude of the scatterers of a flat floor at every sample."""
+    sonar, grid = listening.sonar, listening.plan.grid
+    profile = Profile(np.array(listening.scene.ground_range, dtype=float), np.zeros(2))
+    heard = heard_at(profile, sonar, grid.times, sonar.altitude, shadow=False)
+    amplitude = np.zeros(grid.samples)
+    amplitude[heard.sample] = _own_amplitude(listening, profile, heard.points)
+    return amplitude
+
+
+def _own_amplitude(listening: Listening, profile: Profile, points: SeabedPoints) -> Real:
+    """Amplitude of scatterers at points, for the length of seabed that is heard within a sample."""
+    sonar, level = listening.sonar, listening.plan.level
+    step = sonar.sound_speed / (2 * listening.plan.grid.sample_rate)
+    length = step / np.abs(profile.closing(points, sonar.altitude))
+    amplitude: Real = np.sqrt(scatterer_power(listening.scene, sonar, profile, points, length, level))
+    return amplitude
+
+
+@compiled
+def _as_floor(
+    amplitude: Real, floor: Real, on_floor: NDArray[np.bool_], segments: NDArray[np.int64], samples: NDArray[np.int64]
+) -> NDArray[np.int64] | None:
+    """Fill in the amplitude of parts that lie on the floor; which others there are, or None where samples repeat."""
+    others, count, last = np.empty(len(samples), np.int64), 0, -1
+    for part in range(len(samples)):
+        if samples[part] <= last:
+            return None
+        last = samples[part]
+        if on_floor[segments[part]]:
+            amplitude[last] = floor[last]
+        else:
+            others[count] = part
+            count += 1
+    return others[:count]
 
 
 def _without_highest(samples: Complex, spectrum: Complex) -> None:
@@ -122,12 +167,12 @@ def _move(series: Complex, spectrum: Complex, listening: Listening, sections: li
 @compiled
 def _spread(times: Real, sample: NDArray[np.int64], left: Real, delay: Real) -> None:
     """Delays at times, straight between those of parts, each heard by the secondary at its sample's time and delay."""
-    part, last = 0, len(left) - 1
-    for number in range(len(times)):
-        while part < last and times[sample[part + 1]] + left[part + 1] <= times[number]:
-            part += 1
-        before = times[sample[part]] + left[part]
-        delay[number] = left[part]
-        if part < last and times[number] > before:
-            after = times[sample[part + 1]] + left[part + 1]
-            delay[number] += (left[part + 1] - left[part]) * (times[number] - before) / (after - before)
+    number, before, here = 0, -np.inf, left[0]
+    for part in range(len(left)):
+        after = times[sample[part]] + left[part]
+        slope = (left[part] - here) / (after - before)
+        while number < len(times) and times[number] < after:
+            delay[number] = here + slope * (times[number] - before) if slope != 0 else here
+            number += 1
+        before, here = after, left[part]
+    delay[number:] = here
