@@ -8,6 +8,7 @@ import numpy as np
 from sim import checks
 from sim.along_track import AlongTrack
 from sim.band import TimeGrid
+from sim.costs import costs
 from sim.levels import Level
 from sim.scene import Scene
 from sim.snr_profile import SnrProfile
@@ -20,22 +21,6 @@ Delays = Literal["scatterers", "warp"]
 
 OVERSAMPLING = 4 / 3
 """Samples in `1 / B`, unless the band shifts further."""
-
-SECONDS: dict[str, float] = {
-    "corner": 150e-9,
-    "seen": 60e-9,
-    "level": 60e-9,
-    "scatterer": 110e-9,
-    "drawn": 40e-9,
-    "warped": 150e-9,
-    "noise": 100e-9,
-    "cut": 40e-9,
-    "filtered": 8e-9,
-}
-"""Time of one core for a corner of a section, a part of the seabed that is heard, a scatterer at both receivers, a
-complex random number, a sample of a type-2 transform, a sample of noise and its transforms, and a sample and row of the
-along-track filter: measured by `benchmarks/simulator.py` on one core of a shared server at 2.5 GHz; others differ."""
-
 
 class Decision(NamedTuple):
     """One thing that a plan decides: what is chosen, why, and what it costs.
@@ -164,11 +149,7 @@ def plan(
     """
     checks.count("rows", rows)
     checks.within("tolerance", tolerance, 1e-6, 0.5)
-    highest = scene.heights[1]
-    if sonar.altitude <= highest:
-        raise ValueError(
-            f"altitude is {sonar.altitude:g} m; it must be above the highest point of the scene, {highest:g} m"
-        )
+    _check_altitude(scene, sonar)
     spacing = sonar.aperture.resolution if row_spacing is None else row_spacing
     along_track = AlongTrack(spacing, sonar.aperture.resolution)
     beyond = along_track.halo
@@ -179,14 +160,21 @@ def plan(
     required["along_track"] = along_track, "distance of rows, and the resolution of the aperture"
     for name in chosen:
         checks.one_of("decision", name, sorted(required))
-    values = {name: chosen.get(name, choice) for name, (choice, _) in required.items()}
-    made = _checked(Plan(**values), scene)
-    costs = _costs(scene, sonar, made, rows, seen.corners)
+    made = _checked(Plan(**{name: chosen.get(name, choice) for name, (choice, _) in required.items()}), scene)
+    cost = costs(scene, sonar, made, rows, seen.corners)
     decisions = (
-        Decision(name, values[name], "as asked for" if name in chosen else reason, *costs.get(name, (0.0, 0.0)))
+        Decision(name, getattr(made, name), "as asked for" if name in chosen else reason, *cost.get(name, (0.0, 0.0)))
         for name, (_, reason) in required.items()
     )
     return replace(made, decisions=tuple(decisions))
+
+
+def _check_altitude(scene: Scene, sonar: Sonar) -> None:
+    highest = scene.heights[1]
+    if sonar.altitude <= highest:
+        raise ValueError(
+            f"altitude is {sonar.altitude:g} m; it must be above the highest point of the scene, {highest:g} m"
+        )
 
 
 def _sample_rate(scene: Scene, sonar: Sonar, spacing: float | None) -> float:
@@ -256,25 +244,3 @@ def _checked(made: Plan, scene: Scene) -> Plan:
         raise ValueError(f"level is {made.level!r}; it must be {level}")
     return made
 
-
-def _costs(scene: Scene, sonar: Sonar, made: Plan, rows: int, corners: int) -> dict[str, tuple[float, float]]:
-    """Seconds and bytes of every decision that costs some, for all rows at once."""
-    raw, samples = rows + 2 * made.along_track.halo, made.grid.samples
-    sections = raw if made.sections == "each" else 1
-    scatterers = np.diff(scene.ground_range)[0] / sonar.range_resolution * made.scatterers_per_resolution
-    number, series = (8, 8 * samples * raw) if made.single else (16, 16 * samples * raw)
-    if made.delays == "scatterers":
-        echoes = raw * (scatterers * SECONDS["scatterer"] + samples * SECONDS["warped"]), raw * scatterers * 3 * number
-        parts = scatterers
-    else:
-        echoes = raw * samples * (SECONDS["drawn"] + SECONDS["warped"]), 3.0 * series
-        parts = samples
-    return {
-        "sections": (sections * corners * SECONDS["corner"], sections * samples * 35.0),
-        "shadow": (sections * parts * SECONDS["seen"] if made.shadow else 0.0, 0.0),
-        "delays": echoes,
-        "baseline": (raw * samples * SECONDS["cut"] if made.baseline and made.delays == "warp" else 0.0, 0.0),
-        "level": (sections * parts * SECONDS["level"] if made.level != "even" else 0.0, 0.0),
-        "along_track": (rows * samples * (2 * made.along_track.halo + 1) * SECONDS["filtered"], 2.0 * series),
-        "grid": (raw * samples * SECONDS["noise"], 2.0 * series),
-    }

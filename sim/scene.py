@@ -37,7 +37,8 @@ class SedimentPatch:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "sediment", find(self.sediment))
-        for name, (first, last) in (("ground_range", self.ground_range), ("along_track", self.along_track)):
+        for name in ("ground_range", "along_track"):
+            first, last = checks.ends(name, getattr(self, name), "m")
             if not first < last:
                 raise ValueError(f"{name} is ({first:g}, {last:g}) m; it must begin before it ends")
 
@@ -97,8 +98,8 @@ class Scene:
     Raises
     ------
     ValueError
-        For ends out of order, boxes, slopes or steps that reach beyond the floor, an unknown sediment or model, and
-        for patches in a scene without sediment.
+        For ends out of order, boxes, slopes or steps that reach beyond the floor, patches beside it, an unknown
+        sediment or model, and for patches in a scene without sediment.
     """
 
     ground_range: tuple[float, float]
@@ -110,7 +111,9 @@ class Scene:
     speckle_shape: float = np.inf
 
     def __post_init__(self) -> None:
-        near, far = (checks.positive("ground_range", end, "m") for end in self.ground_range)
+        near, far = (
+            checks.positive("ground_range", end, "m") for end in checks.ends("ground_range", self.ground_range, "m")
+        )
         if near >= far:
             raise ValueError(f"ground_range is ({near:g}, {far:g}) m; its near end must come before its far end")
         for name in ("features", "patches", "targets"):
@@ -126,7 +129,13 @@ class Scene:
             object.__setattr__(self, "sediment", find(self.sediment))
         elif self.patches:
             raise ValueError("a scene without sediment has patches; it must have a sediment around them")
-        if not self.speckle_shape > 0:
+        for patch in self.patches:
+            first, last = patch.ground_range
+            if last <= near or first >= far:
+                raise ValueError(
+                    f"a patch from {first:g} to {last:g} m leaves the scene; it must reach between {near:g} and {far:g} m"
+                )
+        if not checks.number("speckle_shape", self.speckle_shape) > 0:
             raise ValueError(f"speckle_shape is {self.speckle_shape:g}; it must be above 0")
 
     @property

@@ -8,6 +8,7 @@ from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
 from sim import checks
+from sim.costs import DIFFERENT, SAME
 from sim.echo_pair import EchoPair, Truth
 from sim.echoes import scatterer_spectra
 from sim.heard import heard_at
@@ -22,10 +23,6 @@ from sim.streams import Streams, Use
 from sim.targets import add_targets
 from sim.truth import stacked, truth, truth_in_order
 from sim.warp import warped_series
-
-SAME, DIFFERENT = 16, 4
-"""Rows that are transformed together: of one section, and of sections of their own, as many as the cache holds."""
-
 
 def simulate(
     scene: Scene,

@@ -90,7 +90,7 @@ def _amplitude(listening: Listening, section: Section) -> Real:
     return amplitude
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=2)
 def _floor(listening: Listening) -> Real:
     """Amplitude of the scatterers of a flat floor at every sample."""
     sonar, grid = listening.sonar, listening.plan.grid
