@@ -79,7 +79,7 @@ class AlongTrack:
 
 @compiled
 def _gather(rows: Real, weights: Real) -> None:
-    """Put weighted sums of rows in place of the first, always added in the same order, in stretches that a cache holds."""
+    """Put weighted sums of rows in place of the first, in the same order always, in stretches that a cache holds."""
     taps, count = len(weights), len(rows) - len(weights) + 1
     sums = np.empty(STRETCH, rows.dtype)
     for start in range(0, rows.shape[1], STRETCH):

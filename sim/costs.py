@@ -14,22 +14,24 @@ SAME, DIFFERENT = 16, 4
 """Rows that are transformed together: of one section, and of sections of their own, as many as the cache holds."""
 
 SECONDS: dict[str, float] = {
-    "corner": 150e-9,
-    "seen": 4e-9,
+    "corner": 300e-9,
+    "hidden": 50e-9,
+    "seen": 5e-9,
     "level": 14e-9,
-    "scatterer": 100e-9,
+    "scatterer": 95e-9,
     "registered": 80e-9,
     "drawn": 35e-9,
-    "warped": 25e-9,
+    "warped": 30e-9,
     "cut": 14e-9,
     "noise": 45e-9,
-    "kept": 40e-9,
+    "kept": 35e-9,
     "filtered": 0.45e-9,
 }
-"""Time of one core for a corner of a section, whether a part is seen, its level, a scatterer at both receivers, a
-sample of the secondary and its noise registered, one of a primary drawn, one of a warp of it and of the band it is cut
-to, one of noise in both, one that is heard and kept, and one and row of the along-track filter: measured by
-`benchmarks/simulator.py` on one core of a shared server at 2.5 GHz; others differ."""
+"""Time of one core for a corner of a section; for a sample that may lie in shadow, and a part that may be seen; for its
+level; for a scatterer at both receivers; for a sample of secondary and noise registered; for one of a primary drawn, of
+a warp of it, and of the band it is cut to; for one of noise in both; for one that is heard and kept; for a sample and
+row of the along-track filter. Measured on one core of a shared server at 2.5 GHz, where whole scenes took .8 to 1.6
+times as long as they say; others differ."""
 
 
 def costs(scene: Scene, sonar: Sonar, made: "Plan", rows: int, corners: int) -> dict[str, tuple[float, float]]:
@@ -60,7 +62,7 @@ def costs(scene: Scene, sonar: Sonar, made: "Plan", rows: int, corners: int) -> 
     return {
         # The truth of rows, by itself and stacked.
         "sections": (sections * corners * SECONDS["corner"], sections * samples * 52.0),
-        "shadow": (sections * parts * SECONDS["seen"] if made.shadow else 0.0, 0.0),
+        "shadow": (sections * (parts * SECONDS["seen"] + samples * SECONDS["hidden"]) if made.shadow else 0.0, 0.0),
         "delays": (echoes, held),
         "baseline": (raw * samples * SECONDS["cut"] if made.baseline and made.delays == "warp" else 0.0, 0.0),
         "level": (sections * parts * SECONDS["level"] if made.level != "even" else 0.0, 0.0),

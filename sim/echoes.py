@@ -115,7 +115,11 @@ def scatterer_spectra(listening: Listening, profile: Profile, rows: range, strea
         amplitudes *= np.sqrt(streams.texture(rows, len(length), shape))
     primary = echo_spectrum(listening.band, times[0], amplitudes, plan.accuracy)
     turns = -sonar.centre_frequency * (times[1] - times[0])
-    above = sees(profile, points, sonar.altitude + sonar.baseline).astype(np.float64) if plan.shadow else np.ones(turns.size)
+    above = (
+        sees(profile, points, sonar.altitude + sonar.baseline).astype(np.float64)
+        if plan.shadow
+        else np.ones(turns.size)
+    )
     for row in amplitudes:
         turn(row, turns, above)
     return primary, echo_spectrum(listening.band, times[1], amplitudes, plan.accuracy)

@@ -22,6 +22,7 @@ Delays = Literal["scatterers", "warp"]
 OVERSAMPLING = 4 / 3
 """Samples in `1 / B`, unless the band shifts further."""
 
+
 class Decision(NamedTuple):
     """One thing that a plan decides: what is chosen, why, and what it costs.
 
@@ -113,10 +114,7 @@ def plan(
 ) -> Plan:
     """Find out what a scene requires of its simulation, and what that will cost.
 
-    A shortcut is taken where a look at the section of every row shows that it may be (`sim.survey`). The spread of a
-    phase goes with the root of what coherence lacks of 1, so that leaving out the decorrelation of the baseline, a part
-    `p` of that, makes the spread smaller by `p / 2`. So many scatterers are taken that the mean power is even within
-    the tolerance: at `n` in a resolution it scatters by about `.46 n^-1.5` (`Plan`).
+    A shortcut is taken where a look at the section of every row shows that it may be (`sim.survey`).
 
     Parameters
     ----------
@@ -150,21 +148,23 @@ def plan(
     checks.count("rows", rows)
     checks.within("tolerance", tolerance, 1e-6, 0.5)
     _check_altitude(scene, sonar)
-    spacing = sonar.aperture.resolution if row_spacing is None else row_spacing
-    along_track = AlongTrack(spacing, sonar.aperture.resolution)
-    beyond = along_track.halo
-    numbers = range(1) if scene.uniform else range(first_row - beyond, first_row + rows + beyond)
-    seen = survey(scene, sonar, (number * spacing for number in numbers), snr)
+    resolution = sonar.aperture.resolution
+    along_track = AlongTrack(resolution if row_spacing is None else row_spacing, resolution)
+    numbers = range(1) if scene.uniform else range(first_row - along_track.halo, first_row + rows + along_track.halo)
+    seen = survey(scene, sonar, (number * along_track.spacing for number in numbers), snr)
     rate = _sample_rate(scene, sonar, sample_spacing)
     required = _required(scene, sonar, tolerance, seen, rate, chosen.get("delays"))
     required["along_track"] = along_track, "distance of rows, and the resolution of the aperture"
     for name in chosen:
         checks.one_of("decision", name, sorted(required))
     made = _checked(Plan(**{name: chosen.get(name, choice) for name, (choice, _) in required.items()}), scene)
-    cost = costs(scene, sonar, made, rows, seen.corners)
+    reasons = {name: "as asked for" if name in chosen else reason for name, (_, reason) in required.items()}
+    return _decided(made, reasons, costs(scene, sonar, made, rows, seen.corners))
+
+
+def _decided(made: Plan, reasons: dict[str, str], cost: dict[str, tuple[float, float]]) -> Plan:
     decisions = (
-        Decision(name, getattr(made, name), "as asked for" if name in chosen else reason, *cost.get(name, (0.0, 0.0)))
-        for name, (_, reason) in required.items()
+        Decision(name, getattr(made, name), reason, *cost.get(name, (0.0, 0.0))) for name, reason in reasons.items()
     )
     return replace(made, decisions=tuple(decisions))
 
@@ -195,7 +195,12 @@ def _sample_rate(scene: Scene, sonar: Sonar, spacing: float | None) -> float:
 def _required(
     scene: Scene, sonar: Sonar, tolerance: float, seen: Survey, rate: float, delays: Delays | None
 ) -> dict[str, tuple[Any, str]]:
-    """Choice and reason of every decision."""
+    """Choice and reason of every decision.
+
+    The spread of a phase goes with the root of what coherence lacks of 1, so that leaving out the decorrelation of the
+    baseline, a part `p` of that, makes the spread smaller by `p / 2`. So many scatterers are taken that the mean power
+    is even within the tolerance: at `n` in a resolution it scatters by about `.46 n^-1.5` (`Plan`).
+    """
     needed = seen.overlaid or seen.shift > (min(rate / sonar.bandwidth, OVERSAMPLING) - 1) / 2
     scatterers = needed if delays is None else delays == "scatterers"
     dense = max(1.0, float(np.round((0.46 / tolerance) ** (2 / 3))))
@@ -243,4 +248,3 @@ def _checked(made: Plan, scene: Scene) -> Plan:
         level = "even for a scene without sediment" if scene.sediment is None else "flat or local for a sediment"
         raise ValueError(f"level is {made.level!r}; it must be {level}")
     return made
-

@@ -64,9 +64,7 @@ class Profile:
 
 
 @compiled
-def _position(
-    corner_range: Real, corner_height: Real, segments: NDArray[np.int64], shares: Real
-) -> tuple[Real, Real]:
+def _position(corner_range: Real, corner_height: Real, segments: NDArray[np.int64], shares: Real) -> tuple[Real, Real]:
     ground_range, height = np.empty(len(segments)), np.empty(len(segments))
     for point in range(len(segments)):
         segment, share = segments[point], shares[point]

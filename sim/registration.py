@@ -48,7 +48,7 @@ class Resampling:
         return phase
 
     def envelope(self, spectrum: Complex) -> Complex:
-        """The resampled envelope of spectra, before the carrier turns it; from shape (rows, bins) to (rows, samples)."""
+        """The resampled envelope of spectra, which no carrier turns yet; from shape (rows, bins) to (rows, samples)."""
         return to_series(self._phase, spectrum, self.accuracy)
 
     def series(self, spectrum: Complex) -> Complex:

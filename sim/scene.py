@@ -133,7 +133,7 @@ class Scene:
             first, last = patch.ground_range
             if last <= near or first >= far:
                 raise ValueError(
-                    f"a patch from {first:g} to {last:g} m leaves the scene; it must reach between {near:g} and {far:g} m"
+                    f"a patch from {first:g} to {last:g} m leaves the scene; it must lie between {near:g} and {far:g} m"
                 )
         if not checks.number("speckle_shape", self.speckle_shape) > 0:
             raise ValueError(f"speckle_shape is {self.speckle_shape:g}; it must be above 0")

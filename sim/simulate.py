@@ -24,6 +24,7 @@ from sim.targets import add_targets
 from sim.truth import stacked, truth, truth_in_order
 from sim.warp import warped_series
 
+
 def simulate(
     scene: Scene,
     sonar: Sonar,

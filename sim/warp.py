@@ -11,7 +11,7 @@ from sim.compiled import compiled
 from sim.heard import heard_at
 from sim.levels import scatterer_power
 from sim.listening import Listening
-from sim.passes import scale
+from sim.passes import scale, turn
 from sim.profile import Profile, SeabedPoints
 from sim.section import Section
 from sim.streams import Streams, Use
@@ -22,7 +22,7 @@ from sim.transforms import to_series
 def warped_series(
     listening: Listening, sections: list[Section], rows: range, streams: Streams
 ) -> tuple[Complex, Complex]:
-    """Noise-free series of rows at both receivers, (rows, samples) each; the secondary at the carrier it is recorded at.
+    """Noise-free series of rows at both receivers, (rows, samples) each; the secondary at its recorded carrier.
 
     A scatterer of Gaussian strength stands at the place that each sample of the primary hears. With the delay `d(u)`
     that registration leaves of what the secondary hears at `u`, its series is `p(u - d(u)) exp(-2 pi i fc d(u))`, one
@@ -148,7 +148,6 @@ def _series(spectrum: Complex, cut: Real) -> Complex:
 def _move(series: Complex, spectrum: Complex, listening: Listening, sections: list[Section]) -> None:
     """Put what has come before or after its time into series at the carrier they are recorded at."""
     grid, accuracy = listening.plan.grid, listening.plan.accuracy
-    turning = -2 * np.pi * listening.sonar.centre_frequency
     for number, (_, heard) in enumerate(sections):
         rows = slice(None) if len(sections) == 1 else slice(number, number + 1)
         delay = np.zeros(grid.samples)
@@ -156,11 +155,14 @@ def _move(series: Complex, spectrum: Complex, listening: Listening, sections: li
         # A scene shorter than a sample may lie between two.
         if left.size:
             _spread(grid.times, heard.sample, left, delay)
-        moved = np.flatnonzero(np.abs(turning * delay) > accuracy)
+        turns = -listening.sonar.centre_frequency * delay
+        moved = np.flatnonzero(np.abs(turns) > accuracy / (2 * np.pi))
         if moved.size:
             phase = (grid.times[moved] - delay[moved] - grid.start) * (2 * np.pi / grid.period)
             read = to_series(phase, spectrum[rows], accuracy, fft_order=True)
-            read *= np.exp(1j * turning * delay[moved]) * listening.recorded_carrier[moved]
+            for row in read:
+                turn(row, turns[moved], np.ones(moved.size))
+            read *= listening.recorded_carrier[moved]
             series[rows, moved] = read
 
 

@@ -14,8 +14,8 @@ from studies.blocks import Store
 from studies.design import Point, Task, blocks, computed, methods, points, task
 from studies.experiment import Experiment
 from studies.lock import only_writer
-from studies.memory import check_memory
 from studies.measure import measure
+from studies.memory import check_memory
 from studies.method import Method
 from studies.named import imported
 from studies.parallel import BACKENDS, one_thread, parallel
