@@ -1,6 +1,7 @@
 """Homogeneous patches of speckle in which rare delay errors are frequent, each row with its likelihood ratio.
 
-With the symbols of `rare_speckle_pair`: by `M = prod_k F_k`, the mean of `exp(-s T)` in nature, the rival wins with at most that probability (Chernoff).
+With the symbols of `rare_speckle_pair`: by `M = prod_k F_k`, the mean of `exp(-s T)` in nature, the rival wins with at
+most that probability (Chernoff).
 Rivals of a kind are drawn in proportion to their M, each of the n kinds as often as the others, and a row is by
 
     w = 1 / (a + (1 - a) / n  sum_kinds (sum_rivals exp(-s T)) / (sum_rivals M))

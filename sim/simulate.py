@@ -8,6 +8,7 @@ from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
 from sim import checks
+from sim.band import Complex
 from sim.costs import DIFFERENT, SAME
 from sim.echo_pair import EchoPair, Truth
 from sim.echoes import scatterer_spectra
@@ -202,26 +203,31 @@ def _receive(
 ) -> None:
     """Write registered series of rows, echoes and noise, to an array of shape (2, rows, samples)."""
     band, gain = listening.band, listening.gain
-    # Unit power within the band.
-    noise = listening.noise * np.sqrt(band.weights / band.weights.sum())
-    if listening.plan.delays == "warp":
-        echoes = warped_series(listening, sections, rows, streams)
-    else:
-        alike = [rows] if len(sections) == 1 else [range(row, row + 1) for row in rows]
-        spectra = [
-            scatterer_spectra(listening, section.profile, some, streams)
-            for section, some in zip(sections, alike, strict=True)
-        ]
-        echo, above = (np.concatenate(channel) for channel in zip(*spectra, strict=True))
-        echoes = band.series(echo), listening.registration.envelope(above)
+    warps = listening.plan.delays == "warp"
+    echoes = (
+        warped_series(listening, sections, rows, streams) if warps else _scattered(listening, sections, rows, streams)
+    )
     if listening.noise > 0:
-        drawn = streams.gaussian(Use.NOISE, rows, np.tile(noise, 2)).reshape(len(rows), 2, -1)
+        amplitude = listening.noise * np.sqrt(band.weights / band.weights.sum())
+        drawn = streams.gaussian(Use.NOISE, rows, np.tile(amplitude, 2)).reshape(len(rows), 2, -1)
+        below, above = np.ascontiguousarray(drawn.swapaxes(0, 1))
         # Beside a warp it is registered but for the stretch of time, as the echoes are.
-        above = band.series if listening.plan.delays == "warp" else listening.registration.envelope
-        noises = band.series(drawn[:, 0]), above(np.ascontiguousarray(drawn[:, 1]))
+        noises = band.series(below), band.series(above) if warps else listening.registration.envelope(above)
     else:
         noises = (np.zeros((len(rows), gain.size), dtype=np.complex128),) * 2
     turns = np.ones(gain.size, dtype=np.complex128), listening.registration.turn
-    for echo, over, turn, channel in zip(echoes, noises, turns, series, strict=True):
+    for channel, of_receiver in zip(series, zip(echoes, noises, turns, strict=True), strict=True):
+        echo, noise, turn = of_receiver
         for row in range(len(rows)):
-            recorded(echo[row], gain, over[row], turn, channel[row])
+            recorded(echo[row], gain, noise[row], turn, channel[row])
+
+
+def _scattered(listening: Listening, sections: list[Section], rows: range, streams: Streams) -> tuple[Complex, Complex]:
+    """Noise-free series of scatterers in rows at both receivers, the secondary before the carrier turns it."""
+    alike = [rows] if len(sections) == 1 else [range(row, row + 1) for row in rows]
+    spectra = [
+        scatterer_spectra(listening, section.profile, some, streams)
+        for section, some in zip(sections, alike, strict=True)
+    ]
+    below, above = (np.concatenate(channel) for channel in zip(*spectra, strict=True))
+    return listening.band.series(below), listening.registration.envelope(above)

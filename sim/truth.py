@@ -1,6 +1,7 @@
 """What a perfect estimator would find of a scene: delays, heights, shadow and layover."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,10 +104,8 @@ def stacked(truths: Sequence[Truth]) -> Truth:
         found = 0 if truth.branches is None else len(truth.branches)
         branches[:found, row] = truth.branches
         branches[found:, row] = np.nan
-    return Truth(
-        delay=np.stack([truth.delay for truth in truths]),
-        height=np.stack([truth.height for truth in truths]),
-        shadow=np.stack([truth.shadow for truth in truths]),
-        layover=np.stack([truth.layover for truth in truths]),
-        branches=branches,
-    )
+
+    def together(name: str) -> NDArray[Any]:
+        return np.stack([getattr(truth, name) for truth in truths])
+
+    return Truth(together("delay"), together("height"), together("shadow"), together("layover"), branches)
