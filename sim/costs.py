@@ -68,5 +68,5 @@ def costs(scene: Scene, sonar: Sonar, made: "Plan", rows: int, corners: int) -> 
         "level": (sections * parts * SECONDS["level"] if made.level != "even" else 0.0, 0.0),
         "along_track": (rows * samples * (2 * made.along_track.halo + 1) * SECONDS["filtered"], 0.0),
         # What is kept, and echoes and noise of the rows at work.
-        "grid": (raw * samples * (SECONDS["noise"] + SECONDS["kept"]), series + together * samples * 160.0),
+        "grid": (raw * samples * (SECONDS["noise"] + SECONDS["kept"]), series + together * samples * 96.0),
     }
