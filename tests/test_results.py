@@ -144,24 +144,26 @@ def test_a_single_wrong_row_is_found(part):
 
 @pytest.mark.long
 @pytest.mark.parametrize(
-    ("name", "estimators", "cluster"),
+    ("name", "estimators", "clusters"),
     [
-        ("wrap-errors", [], 1),
-        ("calibration", [], 1),
-        # The pixels of a row, and of a metre of it.
-        ("box-scene", [], 6000),
-        ("long-range", ["phase"], 50),
+        ("wrap-errors", [], None),
+        ("calibration", [], None),
+        # A cluster is a row; of the latter, that of a metre, of pixels of 2 cm.
+        ("box-scene", [], lambda table: 16),
+        ("long-range", ["phase"], lambda table: table.trials / 50),
     ],
 )
-def test_trials_are_reproduced(name, estimators, cluster, tmp_path):
+def test_trials_are_reproduced(name, estimators, clusters, tmp_path):
     study = as_run(name).with_values(TRIALS[name]).of_estimators(estimators)
     fresh = measured(study, tmp_path)
     if "ground_range" in fresh:
         fresh = fresh[(fresh.ground_range > 396) & (fresh.ground_range < 404)]
     assert list(fresh.columns) == list(kept(name).columns)
-    found = of_trials(kept(name), fresh, labels(study), cluster=cluster, stale=STALE.get(name, ()))
+    found = of_trials(kept(name), fresh, labels(study), clusters=clusters, stale=STALE.get(name, ()))
     assert len(found.found) > 100
     assert found.beyond(FALSE_ALARM) == []
+    wrong = kept(name).assign(delay_std_in_wrap=kept(name).delay_std_in_wrap * 2)
+    assert of_trials(wrong, fresh, labels(study), clusters=clusters).beyond(FALSE_ALARM)
 
 
 def again(name, rows, times=1):

@@ -1,11 +1,14 @@
 """How likely it is that two tables of the same study differ by chance as much as they do, comparison by comparison."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 import pandas as pd
 from scipy.special import ndtri
 from scipy.stats import hypergeom, norm, t
+
+Clusters = Callable[[pd.DataFrame], "pd.Series[float] | int"]
+"""How many clusters of trials each row of a kept table has."""
 
 EXACT = (
     "looks",
@@ -21,7 +24,8 @@ EXACT = (
 """Columns of a table of trials that no chance is in, where windows do not follow the data."""
 
 ENOUGH = 200
-"""Trials below which the error of a mean or spread is not known well enough to be compared."""
+"""Trials below which the error of a mean or spread is not known well enough to be compared; half as many again where
+they depend on each other."""
 
 
 class Surprises:
@@ -50,27 +54,33 @@ def matched(kept: pd.DataFrame, fresh: pd.DataFrame, on: Sequence[str]) -> pd.Da
 
 
 def of_trials(
-    kept: pd.DataFrame, fresh: pd.DataFrame, on: Sequence[str], *, cluster: float = 1.0, stale: Sequence[str] = ()
+    kept: pd.DataFrame,
+    fresh: pd.DataFrame,
+    on: Sequence[str],
+    *,
+    clusters: Clusters | None = None,
+    stale: Sequence[str] = (),
 ) -> Surprises:
     """Two tables of trials.
 
-    Rates of independent trials by the exact test of two binomials; means, and rates of trials of which a `cluster`
-    depend on each other or that have weights, by Student's t of their standard errors. Points are independent, so that
-    the mean of what each row differs by is compared as well, for each estimator.
+    Rates of independent trials by the exact test of two binomials; means, and rates of trials that come in so many
+    `clusters` or that have weights, by Student's t of their standard errors. Points of independent trials are
+    independent, so that the mean of what each row differs by is compared as well, for each estimator.
     """
     both, surprises = matched(kept, fresh, on), Surprises()
-    independent = cluster == 1 and not (kept.effective_trials < kept.trials - kept.failures).any()
+    both = both.copy().assign(cluster=1.0 if clusters is None else both.trials / clusters(both))
+    independent = clusters is None and not (kept.effective_trials < kept.trials - kept.failures).any()
     fixed = ~both.window.str.contains("(", regex=False)
     for column in (c for c in EXACT if c not in on):
         same = np.isclose(both[column], both[f"{column}_fresh"], rtol=1e-6, atol=0, equal_nan=True)
         surprises.add(column, both[fixed], on, same[fixed].astype(float))
-    signed = list(_rates(both)) if independent else list(_clustered_rates(both, cluster))
-    signed += [*_means(both, cluster), *_spreads(both, cluster), _claims(both, cluster)]
+    signed = list(_rates(both)) if independent else list(_clustered_rates(both))
+    signed += [*_means(both), *_spreads(both, both[fixed]), _claims(both)]
     for column, rows, z, p in signed:
         if column in stale:
             continue
         surprises.add(column, rows, on, p)
-        if cluster == 1:
+        if clusters is None:
             for name, of_name in rows.assign(z=z).groupby("estimator"):
                 known = of_name.z[np.isfinite(of_name.z)]
                 if len(known):
@@ -126,10 +136,11 @@ def differences(
     return z, np.where(np.isnan(value) != np.isnan(value_2), 0.0, p)
 
 
-def _of_means(column: str, both: pd.DataFrame, numbers, errors, cluster: float, power: float = 1.0) -> Compared:
+def _of_means(column: str, both: pd.DataFrame, numbers, errors, power: float = 1.0) -> Compared:
     """A mean, or a power of it; where there are enough trials in both."""
     of, of_2 = numbers
-    enough = (np.minimum(of, of_2) >= ENOUGH * min(cluster, 1.0)) & (of_2 >= 10 * cluster)
+    cluster = both.cluster.to_numpy()
+    enough = np.minimum(of, of_2) >= ENOUGH * np.minimum(cluster, 1.5)
     value, value_2 = (both[f"{column}{end}"].to_numpy() for end in ("", "_fresh"))
     # The error of a few trials goes with their mean; what many trials say of it does not.
     error, error_2 = errors[0], np.fmax(errors[1], errors[0] * np.sqrt(of / np.maximum(of_2, 1)))
@@ -145,28 +156,34 @@ def _errors(both: pd.DataFrame, column: str) -> list[np.ndarray]:
     return [both[f"{column}_se{end}"].to_numpy() for end in ("", "_fresh")]
 
 
-def _clustered_rates(both: pd.DataFrame, cluster: float) -> Iterator[Compared]:
+def _clustered_rates(both: pd.DataFrame) -> Iterator[Compared]:
     for column, number in (("wrap_rate", _tried), ("outlier_rate", _tried), ("coverage", _right)):
         widths = [(both[f"{column}_high{e}"] - both[f"{column}_low{e}"]).to_numpy() for e in ("", "_fresh")]
         errors = [width / (2 * ndtri(0.975)) for width in widths]
-        yield _of_means(column, both, (number(both), number(both, "_fresh")), errors, cluster)
+        yield _of_means(column, both, (number(both), number(both, "_fresh")), errors)
 
 
-def _means(both: pd.DataFrame, cluster: float) -> Iterator[Compared]:
+def _means(both: pd.DataFrame) -> Iterator[Compared]:
     for column, number in (("delay_bias", _right), ("delay_bias_total", _tried)):
-        yield _of_means(column, both, (number(both), number(both, "_fresh")), _errors(both, column), cluster)
+        yield _of_means(column, both, (number(both), number(both, "_fresh")), _errors(both, column))
 
 
-def _spreads(both: pd.DataFrame, cluster: float) -> Iterator[Compared]:
-    """Cube roots of mean squares, which are nearest to normal (Wilson and Hilferty 1931)."""
-    for column, number in (("delay_std_in_wrap", _right), ("delay_std_total", _tried), ("rmse", _tried)):
-        numbers = number(both), number(both, "_fresh")
-        yield _of_means(column, both, numbers, _errors(both, column), cluster, power=2 / 3)
+def _spreads(both: pd.DataFrame, fixed: pd.DataFrame) -> Iterator[Compared]:
+    """Cube roots of mean squares, which are nearest to normal (Wilson and Hilferty 1931).
+
+    Windows that follow the data may be so large that few of them fall short of the spread, as it is about their mean.
+    """
+    cases = (("delay_std_in_wrap", _right, fixed), ("delay_std_total", _tried, fixed), ("rmse", _tried, both))
+    for column, number, of in cases:
+        numbers = number(of), number(of, "_fresh")
+        yield _of_means(column, of, numbers, _errors(of, column), power=2 / 3)
 
 
-def _claims(both: pd.DataFrame, cluster: float) -> Compared:
+def _claims(both: pd.DataFrame) -> Compared:
     """Mean claimed probabilities, whose variance is `p (1 - p)` at the most (Bhatia and Davis 2000)."""
     p = both.claimed_wrap_rate
     most = np.sqrt(p * (1 - p)).to_numpy()
-    errors = [most / np.sqrt(both[f"effective_trials{end}"].to_numpy() / cluster) for end in ("", "_fresh")]
-    return _of_means("claimed_wrap_rate", both, (_tried(both), _tried(both, "_fresh")), errors, cluster)
+    errors = [
+        most / np.sqrt(both[f"effective_trials{end}"].to_numpy() / both.cluster.to_numpy()) for end in ("", "_fresh")
+    ]
+    return _of_means("claimed_wrap_rate", both, (_tried(both), _tried(both, "_fresh")), errors)
