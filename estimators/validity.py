@@ -24,6 +24,11 @@ class Thresholds:
         Least sample coherence, 0 to 1.
     wrap_error_probability
         Largest predicted probability of a wrap error, 0 to 1.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits.
     """
 
     height_std: float = np.inf

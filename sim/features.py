@@ -134,6 +134,11 @@ class Slope:
         Extent in ground range [m].
     rise
         How much higher its end lies than its start [m]; below 0 where it falls.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits, or not finite.
     """
 
     start: float
@@ -175,6 +180,11 @@ class Step:
         Where it stands [m].
     rise
         How much higher the far side lies [m]; below 0 where it falls.
+
+    Raises
+    ------
+    ValueError
+        For a place at or before 0 m, and numbers that are not finite.
     """
 
     ground_range: float
@@ -219,6 +229,11 @@ class TrawlMark:
         `d` [m].
     width
         `w` [m].
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits.
     """
 
     ground_range: float

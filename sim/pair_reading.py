@@ -104,7 +104,7 @@ class PairFile:
 
     @cached_property
     def geometry(self) -> Geometry | None:
-        """Where the series were recorded; None where the file does not say it."""
+        """Where the series were recorded; None where the file does not say it, ValueError where it says a part."""
         there = [name for name in PLACED if name in self.stored]
         if not there:
             return None

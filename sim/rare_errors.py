@@ -44,6 +44,11 @@ class DelayErrors:
         better by up to three times in standard error.
     frequencies
         How many `f0`: all bins, or as many evenly over the band where there are more bins.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits.
     """
 
     wraps: tuple[float, ...] = (1.0, 1.25, 1.5, 1.75, 2.0)
@@ -77,6 +82,11 @@ class SubBandErrors:
         `b` [Hz], at most `B / 2`; `B / 3` where None, as of the estimator.
     divisions
         How many `u`.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits.
     """
 
     sub_bandwidth: float | None = None
@@ -112,6 +122,11 @@ class PhaseErrors:
     ----------
     delay
         The true delay [s], the same in all rows, within half a wrap of zero.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits, or not finite.
     """
 
     delay: float

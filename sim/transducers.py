@@ -24,6 +24,11 @@ class Transmitter:
         Length of the transmitted pulse, `T` [s]; matched filtering gains `B T`.
     beam
         Vertical beam; by default, 3 dB down 13 degrees off an axis 20 degrees down, its null near 50 at 122 kHz.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits, or not finite.
     """
 
     source_level: float = 200.0
@@ -46,6 +51,11 @@ class Receiver:
     directivity_index
         Gain against isotropic noise of one element [dB]; the default is that of 3.75 by 2.4 cm at 122 kHz,
         `10 log10(4 pi area / lambda^2)`.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits, or not finite.
     """
 
     beam: Beam = field(default_factory=lambda: GaussianBeam(width=60.0, depression=20.0))
@@ -65,6 +75,11 @@ class SyntheticAperture:
         Along-track resolution, `dx` [m], the same at all ranges.
     phase_centre_spacing
         Along-track distance of the phase centres [m], by default half of an element of 3.75 cm.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits.
     """
 
     resolution: float = 0.03
@@ -90,6 +105,11 @@ class Noise:
         Wind at the surface [m/s]; 0 leaves the ambient noise of a calm sea.
     excess
         Noise of the vehicle and its electronics above these [dB].
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits.
     """
 
     wind_speed: float = 5.0

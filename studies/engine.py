@@ -30,7 +30,13 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True)
 class Share:
-    """One of several machines' part of a study: number `number` of `of`, from 1."""
+    """One of several machines' part of a study: number `number` of `of`, from 1.
+
+    Raises
+    ------
+    ValueError
+        For a number that is not 1 to `of`.
+    """
 
     number: int = 1
     of: int = 1
