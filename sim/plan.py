@@ -40,7 +40,12 @@ along-track filter: measured by `benchmarks/simulator.py` on one core of a share
 class Decision(NamedTuple):
     """One thing that a plan decides: what is chosen, why, and what it costs.
 
-    `seconds` on one core and `bytes` at once for all rows, as estimated before running.
+    Attributes
+    ----------
+    name, choice, reason
+        A field of `Plan`, what it is, and why.
+    seconds, bytes
+        Time on one core [s] and memory at once [bytes] for all rows, as estimated before running.
     """
 
     name: str

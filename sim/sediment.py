@@ -29,7 +29,7 @@ class FluidBed:
     spectral_strength_cm4
         `w2` with `h0` = 1 cm [cm^4].
     grain_size_phi
-        Mean grain size, `-log2` of the diameter in mm; None where it is unknown. No model reads it.
+        Mean grain size [phi], `-log2` of the diameter in mm; None where it is unknown. No model reads it.
 
     Raises
     ------

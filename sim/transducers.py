@@ -90,7 +90,10 @@ class SyntheticAperture:
         checks.positive("phase_centre_spacing", self.phase_centre_spacing, "m")
 
     def phase_centres(self, slant_range: Real, wavelength: float) -> Real:
-        """How many are combined, `lambda r / (2 dx)` over their spacing and 1 at least; a real number."""
+        """How many are combined at a slant range [m] and wavelength [m]; a real number, shape of the former.
+
+        `lambda r / (2 dx)` over their spacing, and 1 at least.
+        """
         centres: Real = np.maximum(wavelength * slant_range / (2 * self.resolution * self.phase_centre_spacing), 1.0)
         return centres
 

@@ -226,7 +226,17 @@ def made(tree: Mapping[str, Any], source: str) -> Study:
 
 
 def load(path: Path) -> Study:
-    """Read a study file; the files that it names by a relative path lie beside it.
+    """Read a study file.
+
+    Parameters
+    ----------
+    path
+        A TOML file (docs/study-files.md); the files that it names by a relative path lie beside it.
+
+    Returns
+    -------
+    Study
+        Checked, but for what only its design points can tell (`engine.check`).
 
     Raises
     ------
