@@ -111,6 +111,11 @@ def test_a_function_names_parameters_units_result_and_errors(name):
     assert not raises(thing) or "Raises" in sections(thing)
 
 
+@pytest.mark.parametrize("name", bounds.__all__)
+def test_a_bound_names_its_source(name):
+    assert re.search(r"Source: |[Tt]heory section \d|[Pp]aper [AB]|\b(19|20)\d\d\b", getattr(bounds, name).__doc__)
+
+
 @pytest.mark.parametrize("name", CLASSES)
 def test_a_class_names_attributes_units_and_errors(name):
     thing = CLASSES[name]

@@ -59,6 +59,7 @@ def coherent_pair_probability(looks: ArrayLike, coherence: ArrayLike, relative_b
     Exact probability that the likelihood one wrap away exceeds the one at the true delay.
 
     Twice it is the two-sided nearest-wrap rate. Relative error below 1e-6, in the tail too.
+    Source: the inversion integral of theory section 3, along the vertical through its saddle point.
 
     Parameters
     ----------

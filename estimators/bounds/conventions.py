@@ -106,6 +106,7 @@ def effective_looks(time_bandwidth: ArrayLike) -> Floats:
     A window of no length has one look.
     `1 / N_eff = 2 int_0^1 (1 - u) sinc(B T u)^2 du`, which with `x = pi B T` is
     `2 Si(2 x) / x - 2 (sin(x) / x)^2 - Cin(2 x) / x^2`, where `Cin(z) = int_0^z (1 - cos t) / t dt`.
+    Source: theory section 2, the variance of a mean of correlated intensities.
 
     Parameters
     ----------

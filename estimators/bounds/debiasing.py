@@ -24,6 +24,7 @@ def debias_coherence(sample_coherence: ArrayLike, looks: ArrayLike) -> Floats:
 
     Values below the bias floor give 0, values of 1 and above give 1. The relative error is below 1e-6, beside what
     rounding of the argument makes of a coherence near the floor.
+    Source: theory section 4 for the mean; its inverse is by tables.
 
     Parameters
     ----------

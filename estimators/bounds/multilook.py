@@ -35,6 +35,7 @@ def multilook_phase_pdf(phase: ArrayLike, looks: ArrayLike, coherence: ArrayLike
     `(L - 1/2) / (4 pi) (1 - gamma^2)^L y^(-L-1/2) int_0^inf s (y + s)^(L-3/2) (1 + s)^(-2L) ds` with
     `y = (1 - gamma) / 2 + gamma sin^2(phase / 2)`: Euler's integral of `2F1(2, 2L; L + 3/2; 1 - y)`. Relative
     error below 1e-7.
+    Source: theory section 4.
 
     Parameters
     ----------
@@ -81,6 +82,7 @@ def multilook_phase_cdf(phase: ArrayLike, looks: ArrayLike, coherence: ArrayLike
     Probability that the multilook phase error is below `phase` [rad], in [-pi, pi]; NaN beyond.
 
     Relative error below 1e-6, also in the lower tail; `1 - cdf(phase)` is `cdf(-phase)`.
+    Source: the phase of a constant in Gaussian noise (Craig 1991), averaged over gamma distributed power.
 
     Parameters
     ----------
@@ -142,6 +144,7 @@ def multilook_phase_std(looks: ArrayLike, coherence: ArrayLike) -> Floats:
     `sigma^2 = 1/2 int_0^1 (1 + q x)^-L (-ln(1 - x)) dx / x + 1/2 int_1^inf (1 + q x)^-L ln((sqrt(x) + 1) /
     (sqrt(x) - 1)) dx / x`, `q = gamma^2 / (1 - gamma^2)`: four times the integral of phase times upper tail, in
     whose double integral `x = sin^2 psi / sin^2 theta` is fixed first. By trapezoids; relative error below 1e-10.
+    Source: theory section 4 for the law; the two integrals are derived here.
 
     Parameters
     ----------
@@ -176,6 +179,7 @@ def multilook_depth_std(
 
     `(r c / D) multilook_phase_std / (2 pi fc)`: what `estimators.bounds.depth_crlb`, which has the same arguments,
     is the bound of.
+    Source: theory section 4; the geometry is that of paper B, eq. 3.
 
     Parameters
     ----------
@@ -211,6 +215,7 @@ def multilook_phase_quantile(probability: ArrayLike, looks: ArrayLike, coherence
     Phase error [rad] that `multilook_phase_cdf` takes to `probability`, in [0, 1]; NaN beyond.
 
     Newton steps on the log of the tail, kept within a bracket that halves when a step leaves it.
+    Source: the inverse of `multilook_phase_cdf`, theory section 4.
 
     Parameters
     ----------
@@ -258,6 +263,8 @@ def sample_multilook_phase(
 ) -> Floats:
     """
     Exact draws [rad] of the multilook phase error, `arg(gamma sqrt(G) + sqrt(1 - gamma^2) w)`.
+
+    Source: theory section 4.
 
     Parameters
     ----------

@@ -47,6 +47,7 @@ def cross_correlation_wrap_error_probability(
     bands it is about 5 % off at `B / fc` = .8 and 33 looks, more at a few, and up to 40 % at 1.2. The average over
     speckle spectra is within 1 % of exact down to 1e-9. Rates below 1e-30 are not resolved and zero. It
     falls with coherence, and with looks from four on, to about 1e-5; fewer lines may alias.
+    Source: derived here, from pairs of passband peaks and the chain of wraps that this module describes.
 
     Parameters
     ----------
@@ -79,6 +80,7 @@ def likelihood_wrap_error_probability(
     As `cross_correlation_wrap_error_probability`, but that the search takes in the wrap beyond `search_wraps`
     (`MaximumLikelihood` calls a peak there not valid). Of the same 120 rates 117 are within 5 %, two are 6 and 7 % off
     (nine looks, `B / fc` = .6), and one was simulated to 18 % only.
+    Source: as for the cross-correlation.
 
     Parameters
     ----------

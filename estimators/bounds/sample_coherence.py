@@ -28,6 +28,7 @@ def sample_coherence_pdf(value: ArrayLike, looks: ArrayLike, coherence: ArrayLik
 
     Relative error below 1e-7.
     NaN too at one look and at full coherence, where the sample coherence is 1 without spread.
+    Source: Touzi and Lopes 1996, in a form whose terms are all positive.
 
     Parameters
     ----------
@@ -138,6 +139,7 @@ def sample_coherence_std(looks: ArrayLike, coherence: ArrayLike) -> Floats:
     Standard deviation of the sample coherence, `sqrt(E[g^2] - E[g]^2)`, from the density about its mean.
 
     Relative error below 1e-8, also where mean and standard deviation are far apart.
+    Source: Touzi and Lopes 1996.
 
     Parameters
     ----------
@@ -164,6 +166,7 @@ def sample_sample_coherence(
 
     `g^2 = X / (X + Y)` with `X = |gamma sqrt(G) + sqrt(1 - gamma^2) w|^2`, `G ~ Gamma(L, 1)`, `w ~ CN(0,
     1)` and `Y = (1 - gamma^2) Gamma(L - 1, 1)`, which is the negative binomial mixture of beta laws.
+    Source: theory section 4.
 
     Parameters
     ----------

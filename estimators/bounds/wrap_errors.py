@@ -36,6 +36,7 @@ def wrap_error_probability(looks: ArrayLike, coherence: ArrayLike, relative_band
     within 6 % to 1e-35, and no more than the order of magnitude below.
     Real looks are interpolated smoothly between whole ones. It falls with coherence and, for bands up to the centre
     frequency, with looks and bandwidth; beyond, so few as two and three lines may alias.
+    Source: theory section 3, envelope pair.
 
     Parameters
     ----------
@@ -57,6 +58,7 @@ def envelope_pair_probability(looks: ArrayLike, coherence: ArrayLike, relative_b
     Probability that the envelope one wrap away exceeds the one at the true delay, averaged over speckle.
 
     One half of `wrap_error_probability`.
+    Source: theory section 3, envelope pair.
 
     Parameters
     ----------
@@ -90,6 +92,7 @@ def several_wraps_error_probability(
     An upper bound of the probability that any of `wraps` whole wraps on either side wins; a search, which
     also ends between them, may err more often in bands about as wide as the centre frequency.
     Lags beyond half the window, `m B / fc > N / 2`, are left out.
+    Source: theory section 3, envelope pair.
 
     Parameters
     ----------
