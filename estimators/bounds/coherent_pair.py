@@ -63,10 +63,8 @@ def coherent_pair_probability(looks: ArrayLike, coherence: ArrayLike, relative_b
 
     Parameters
     ----------
-    looks, coherence
-        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
-    relative_bandwidth
-        `B / fc`, above 0 and below 2; NaN elsewhere.
+    looks, coherence, relative_bandwidth
+        As for `wrap_error_probability`.
 
     Returns
     -------
@@ -85,10 +83,8 @@ def lugannani_rice_pair_probability(looks: ArrayLike, coherence: ArrayLike, rela
 
     Parameters
     ----------
-    looks, coherence
-        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
-    relative_bandwidth
-        `B / fc`, above 0 and below 2; NaN elsewhere.
+    looks, coherence, relative_bandwidth
+        As for `wrap_error_probability`.
 
     Returns
     -------

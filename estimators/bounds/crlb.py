@@ -48,7 +48,7 @@ def group_delay_crlb(looks: ArrayLike, coherence: ArrayLike, bandwidth: ArrayLik
     Parameters
     ----------
     looks, coherence
-        Independent looks N, real, above 0; coherence magnitude, 0 to 1. NaN elsewhere.
+        As for `phase_crlb`.
     bandwidth
         Flat bandwidth B [Hz].
 
@@ -79,7 +79,7 @@ def coherent_delay_crlb(
     Parameters
     ----------
     looks, coherence
-        Independent looks N, real, above 0; coherence magnitude, 0 to 1. NaN elsewhere.
+        As for `phase_crlb`.
     centre_frequency, bandwidth
         `fc` and flat bandwidth B [Hz].
 
@@ -112,7 +112,7 @@ def split_spectrum_crlb(
     Parameters
     ----------
     looks, coherence
-        Independent looks N, real, above 0; coherence magnitude, 0 to 1. NaN elsewhere.
+        As for `phase_crlb`.
     bandwidth, sub_bandwidth
         B and b [Hz].
 
@@ -145,7 +145,7 @@ def intensity_delay_crlb(looks: ArrayLike, coherence: ArrayLike, bandwidth: Arra
     Parameters
     ----------
     looks, coherence
-        Independent looks N, real, above 0; coherence magnitude, 0 to 1. NaN elsewhere.
+        As for `phase_crlb`.
     bandwidth
         Flat bandwidth B [Hz].
 
@@ -183,7 +183,7 @@ def depth_crlb(
     Parameters
     ----------
     looks, coherence
-        Independent looks N, real, above 0; coherence magnitude, 0 to 1. NaN elsewhere.
+        As for `phase_crlb`.
     centre_frequency, slant_range, baseline, sound_speed
         `fc` [Hz], r [m], vertical baseline D [m] and c [m/s].
 

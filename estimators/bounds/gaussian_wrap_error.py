@@ -19,10 +19,8 @@ def gaussian_wrap_error_probability(looks: ArrayLike, coherence: ArrayLike, rela
 
     Parameters
     ----------
-    looks, coherence
-        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
-    relative_bandwidth
-        `B / fc`, above 0 and below 2; NaN elsewhere.
+    looks, coherence, relative_bandwidth
+        As for `wrap_error_probability`.
 
     Returns
     -------
@@ -49,12 +47,8 @@ def gaussian_split_spectrum_wrap_error_probability(
 
     Parameters
     ----------
-    looks, coherence
-        Independent looks N of the full band, `N b / B` from 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
-    relative_bandwidth
-        `B / fc`, above 0 and below 2; NaN elsewhere.
-    sub_band_share
-        `b / B`, above 0 to 1/2.
+    looks, coherence, relative_bandwidth, sub_band_share
+        As for `split_spectrum_wrap_error_probability`.
 
     Returns
     -------

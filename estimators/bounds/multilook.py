@@ -89,7 +89,7 @@ def multilook_phase_cdf(phase: ArrayLike, looks: ArrayLike, coherence: ArrayLike
     phase
         Phase error [rad], -pi to pi; NaN beyond.
     looks, coherence
-        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
+        As for `multilook_phase_pdf`.
 
     Returns
     -------
@@ -149,7 +149,7 @@ def multilook_phase_std(looks: ArrayLike, coherence: ArrayLike) -> Floats:
     Parameters
     ----------
     looks, coherence
-        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
+        As for `multilook_phase_pdf`.
 
     Returns
     -------
@@ -184,9 +184,9 @@ def multilook_depth_std(
     Parameters
     ----------
     looks, coherence
-        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
+        As for `multilook_phase_pdf`.
     centre_frequency, slant_range, baseline, sound_speed
-        `fc` [Hz], r [m], vertical baseline D [m] and c [m/s].
+        As for `depth_crlb`.
 
     Returns
     -------
@@ -222,7 +222,7 @@ def multilook_phase_quantile(probability: ArrayLike, looks: ArrayLike, coherence
     probability
         0 to 1; NaN beyond.
     looks, coherence
-        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
+        As for `multilook_phase_pdf`.
 
     Returns
     -------

@@ -51,10 +51,8 @@ def cross_correlation_wrap_error_probability(
 
     Parameters
     ----------
-    looks, coherence
-        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
-    relative_bandwidth
-        `B / fc`, above 0 and below 2; NaN elsewhere.
+    looks, coherence, relative_bandwidth
+        As for `wrap_error_probability`.
     search_wraps
         Reach of the search to either side [wraps]; `fc / B`, that is a delay of `1 / B`, where None.
 
@@ -84,12 +82,8 @@ def likelihood_wrap_error_probability(
 
     Parameters
     ----------
-    looks, coherence
-        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
-    relative_bandwidth
-        `B / fc`, above 0 and below 2; NaN elsewhere.
-    search_wraps
-        Reach of the search to either side [wraps]; `fc / B`, that is a delay of `1 / B`, where None.
+    looks, coherence, relative_bandwidth, search_wraps
+        As for `cross_correlation_wrap_error_probability`.
 
     Returns
     -------

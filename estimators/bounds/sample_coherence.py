@@ -35,7 +35,7 @@ def sample_coherence_pdf(value: ArrayLike, looks: ArrayLike, coherence: ArrayLik
     value
         Sample coherence, 0 to 1; NaN beyond.
     looks, coherence
-        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
+        As for `sample_coherence_mean`.
 
     Returns
     -------
@@ -144,7 +144,7 @@ def sample_coherence_std(looks: ArrayLike, coherence: ArrayLike) -> Floats:
     Parameters
     ----------
     looks, coherence
-        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
+        As for `sample_coherence_mean`.
 
     Returns
     -------
@@ -170,12 +170,8 @@ def sample_sample_coherence(
 
     Parameters
     ----------
-    looks, coherence
-        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1.
-    rng
-        The only source of chance.
-    size
-        Shape of the result; the broadcast shape of looks and coherence where None.
+    looks, coherence, rng, size
+        As for `sample_multilook_phase`.
 
     Returns
     -------

@@ -62,10 +62,8 @@ def envelope_pair_probability(looks: ArrayLike, coherence: ArrayLike, relative_b
 
     Parameters
     ----------
-    looks, coherence
-        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
-    relative_bandwidth
-        `B / fc`, above 0 and below 2; NaN elsewhere.
+    looks, coherence, relative_bandwidth
+        As for `wrap_error_probability`.
 
     Returns
     -------
@@ -96,10 +94,8 @@ def several_wraps_error_probability(
 
     Parameters
     ----------
-    looks, coherence
-        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
-    relative_bandwidth
-        `B / fc`, above 0 and below 2; NaN elsewhere.
+    looks, coherence, relative_bandwidth
+        As for `wrap_error_probability`.
     wraps
         Whole wraps on either side, at least 1.
 

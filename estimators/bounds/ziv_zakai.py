@@ -47,7 +47,7 @@ def ziv_zakai_delay_std(
     Parameters
     ----------
     looks, coherence
-        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
+        As for `wrap_error_probability`.
     centre_frequency, bandwidth, prior_width
         `fc` and B [Hz], and T [s].
 
