@@ -144,7 +144,7 @@ class EchoPair:
             object.__setattr__(self, "missing", missing)
 
     @classmethod
-    def with_gaps(cls, primary: NDArray[Any], secondary: NDArray[Any], *band: float, **known: Any) -> "EchoPair":
+    def with_gaps(cls, primary: NDArray[Any], secondary: NDArray[Any], *band: Any, **known: Any) -> "EchoPair":
         """The pair of series that are not finite everywhere: such samples of either are missing, and zero in both.
 
         Parameters
