@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from reproduced import Surprises, binomials, differences, matched, of_trials
+from reproduced import Surprises, binomials, differences, matched, of_errors_given, of_trials
 
 from studies import catalogue, engine, manifest, predict, report
 from studies.design import columns_of, points
@@ -23,8 +23,30 @@ FALSE_ALARM = 1e-7
 SEED = 1865
 """Of the fresh runs; those that are kept have 2026."""
 
-TIMES = ("seconds", "ratio")
-"""What the names of measured times, and of what follows from them, hold."""
+TIMES = ("second", "ratio", "exponent", "copies", "bytes", "times")
+"""What the names of measured costs, and of what follows from them, hold."""
+
+HERE = {
+    *("box-scene", "calibration", "long-range", "neighbours", "quality", "reliability", "scene-plans"),
+    *("snr-versus-range", "wrap-errors"),
+}
+"""Studies with a comparison of their own below."""
+
+LABELS = (
+    "of",
+    "stage",
+    "variable",
+    "task",
+    "method",
+    "estimator",
+    "window",
+    "setting",
+    "looks",
+    "coherence",
+    "number",
+    "x",
+)
+"""Columns that tell rows of other studies apart, where they have them."""
 
 SOME_POINTS = {key: list(values)[2::7] for axis in catalogue.study("calibration").axes for key, values in axis.items()}
 """Points of the calibration of all looks, bandwidths and rates."""
@@ -241,6 +263,31 @@ def test_what_estimates_say_of_themselves_is_reproduced():
     assert found.beyond(FALSE_ALARM) == []
     for column in ("claimed_in_bin", "claimed_in_bin_fresh"):
         assert (bins[column].isna() | bins[column].between(bins.low, bins.high)).all()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", sorted(set(catalogue.NAMES) - HERE))
+def test_other_studies_are_reproduced(name, tmp_path):
+    study, table = as_run(name).for_a_first_look(), kept(name)
+    if study.simulates:
+        found = of_trials(table, measured(study, tmp_path), labels(study))
+    else:
+        study = study.with_values({"experiment.seed": SEED})
+        fresh = as_kept(study.experiment.table(study.sonar.sonar()))
+        assert list(fresh.columns) == list(table.columns)
+        found = of_errors_given(table, fresh, [column for column in LABELS if column in table], TIMES)
+    assert found.beyond(FALSE_ALARM) == []
+
+
+def test_a_shifted_table_of_an_experiment_is_found():
+    rows = pd.DataFrame(
+        {"method": list("abc"), "trials": 4000, "wrap_errors": [40, 400, 2000], "rmse": [1.0, 2.0, 3.0]}
+    )
+    table = rows.assign(rmse_se=0.02 * rows.rmse, seconds=1.0, seconds_se=1e-3)
+    fresh = table.assign(rmse=table.rmse * 1.03, wrap_errors=[50, 380, 2050], seconds=2.0)
+    assert of_errors_given(table, fresh, ["method"], TIMES).beyond(FALSE_ALARM) == []
+    for wrong in (table.assign(rmse=[1.0, 2.5, 3.0]), table.assign(wrap_errors=[140, 400, 2000])):
+        assert len(of_errors_given(wrong, fresh, ["method"], TIMES).beyond(FALSE_ALARM)) == 1
 
 
 @pytest.mark.long

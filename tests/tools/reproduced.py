@@ -187,3 +187,27 @@ def _claims(both: pd.DataFrame) -> Compared:
         most / np.sqrt(both[f"effective_trials{end}"].to_numpy() / both.cluster.to_numpy()) for end in ("", "_fresh")
     ]
     return _of_means("claimed_wrap_rate", both, (_tried(both), _tried(both, "_fresh")), errors)
+
+
+def of_errors_given(kept: pd.DataFrame, fresh: pd.DataFrame, on: Sequence[str], leave_out: Sequence[str]) -> Surprises:
+    """Two tables by the columns that have a standard error beside them, `_se`, and by wrong wraps of so many trials.
+
+    Rows of fewer than `ENOUGH` trials, and columns whose names hold one of some words, are left out.
+    """
+    both, surprises = matched(kept, fresh, on), Surprises()
+    both = both.copy()
+    if "wrap_errors" in kept:
+        # Rows without trials are of something else.
+        tried = both[both.trials.notna()]
+        counts = [tried[f"{name}{end}"].to_numpy() for end in ("", "_fresh") for name in ("wrap_errors", "trials")]
+        surprises.add("wrap_errors", tried, on, binomials(*counts)[1])
+        both = tried[(tried.trials_fresh - tried.wrap_errors_fresh) >= ENOUGH]
+    for column in (name.removesuffix("_se") for name in kept.columns if name.endswith("_se")):
+        if column in kept and not any(word in column for word in leave_out):
+            value, error, fresh_value, fresh_error = (
+                both[f"{column}{end}"].to_numpy() for end in ("", "_se", "_fresh", "_se_fresh")
+            )
+            known = np.isfinite(error) & np.isfinite(fresh_error)
+            p = differences(value, error, fresh_value, fresh_error, np.inf)[1]
+            surprises.add(column, both[known], on, p[known])
+    return surprises
