@@ -28,6 +28,11 @@ class CrossCorrelation:
         Largest delay to look for [s], or a `Height`; `1 / B` where None. A peak on its border is not valid.
     lags_per_resolution
         Lags in `1 / B`, at least 4; more cost more time and gain nothing for windows of many looks.
+
+    Raises
+    ------
+    ValueError
+        For fewer lags; by `estimate`, for a search that is not above 0 s or is beyond half the record.
     """
 
     window: WindowPolicy

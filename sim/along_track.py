@@ -35,6 +35,11 @@ class AlongTrack:
         Distance of rows [m].
     resolution
         `dx` [m], not below half the spacing; from the spacing on down rows are independent.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits.
     """
 
     spacing: float

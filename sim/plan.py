@@ -26,7 +26,12 @@ OVERSAMPLING = 4 / 3
 class Decision(NamedTuple):
     """One thing that a plan decides: what is chosen, why, and what it costs.
 
-    `seconds` on one core and `bytes` at once for all rows, as estimated before running.
+    Attributes
+    ----------
+    name, choice, reason
+        A field of `Plan`, what it is, and why.
+    seconds, bytes
+        Time on one core [s] and memory at once [bytes] for all rows, as estimated before running.
     """
 
     name: str

@@ -29,6 +29,11 @@ class SedimentPatch:
         A sediment, or the name of one in `SEDIMENTS`.
     along_track
         Where it begins and ends along track [m]; without end by default.
+
+    Raises
+    ------
+    ValueError
+        For an unknown sediment, and where it ends before it begins.
     """
 
     ground_range: tuple[float, float]
@@ -59,6 +64,11 @@ class PointTarget:
         Power at its peak, over that of the flat floor (a scene without sediment) or of the noise (one with) [dB].
     along_track
         Where it lies along track [m].
+
+    Raises
+    ------
+    ValueError
+        For a place at or before 0 m, and numbers that are not finite.
     """
 
     ground_range: float

@@ -31,7 +31,18 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True)
 class Share:
-    """One of several machines' part of a study: number `number` of `of`, from 1."""
+    """One of several machines' part of a study.
+
+    Attributes
+    ----------
+    number, of
+        Which part, from 1, of how many.
+
+    Raises
+    ------
+    ValueError
+        For a number that is not 1 to `of`.
+    """
 
     number: int = 1
     of: int = 1
@@ -124,7 +135,20 @@ def check(study: Study) -> list[Point]:
 
 
 def store_of(study: Study, seed: int, folder: Path) -> Store:
-    """The block files of a study with a seed below a folder, as they are now."""
+    """The block files of a study, as they are now.
+
+    Parameters
+    ----------
+    study, seed
+        What was run, and the root of its random numbers.
+    folder
+        That of the run.
+
+    Returns
+    -------
+    Store
+        Of what the folder holds of this design; empty where it holds none.
+    """
     return Store(folder / "blocks", manifest.digest(manifest.design(study, seed)))
 
 

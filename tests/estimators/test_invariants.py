@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shipped import METHODS as SHIPPED
 
 from estimators import (
     CrossCorrelation,
@@ -20,16 +21,9 @@ from estimators import (
 )
 
 METHODS = {
-    "interferogram": Interferogram,
-    "cross-correlation": CrossCorrelation,
-    "cross-correlation-group": lambda window: CrossCorrelation(window, refine=False),
-    "split-spectrum": SplitSpectrum,
-    "multi-chromatic": lambda window: MultiChromatic(window, bands=3),
+    **SHIPPED,
     "multi-chromatic-group": lambda window: MultiChromatic(window, bands=6, refine=False),
-    "maximum-likelihood": MaximumLikelihood,
-    "phase-slope": lambda window: FullBandPhaseSlope(window, lags_per_resolution=8),
     "phase-slope-strongest": lambda window: FullBandPhaseSlope(window, peak="strongest", lags_per_resolution=8),
-    "two-window": lambda window: TwoWindow(CrossCorrelation(window)),
     "two-window-wide": lambda window: TwoWindow(MaximumLikelihood(window), FixedWindow(1, 5)),
 }
 WRAP = 1 / 100e3
