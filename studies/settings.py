@@ -26,6 +26,9 @@ DEFAULT = "default"
 WIDE = 3
 """How many times as long as the window is that from which two windows take the wrap."""
 
+WIDTHS = (2, 4, 6)
+"""Parts of the band that the sub-bands of a split spectrum are, besides the third by default."""
+
 Options = Mapping[str, Any]
 
 
@@ -80,7 +83,7 @@ def settings(sonar: Sonar, looks: int, delay: float) -> list[Setting]:
         searches["search 2/B"] = {"search": 2 / band}
     lags: dict[str, Options] = {f"{n} lags": {"lags_per_resolution": n} for n in (8, 16)}
     group: dict[str, Options] = {"no refinement": {"refine": False}}
-    widths: dict[str, Options] = {f"b = B/{n}": {"sub_bandwidth": band / n} for n in (2, 4, 6) if n <= looks}
+    widths: dict[str, Options] = {f"b = B/{n}": {"sub_bandwidth": band / n} for n in WIDTHS if n <= looks}
     bands: dict[str, Options] = {f"{n} bands": {"bands": n} for n in (2, 3, 9) if n <= looks}
     coarse: dict[str, Options] = {f"{n} lags": {"lags_per_resolution": n} for n in (4, 8)}
     strongest: Options = {"peak": "strongest", "lags_per_resolution": 8}

@@ -31,7 +31,7 @@ def pareto(table: pd.DataFrame, examples: Examples) -> Figure:
         panel.axhline(1.0, color="black", linewidth=0.9)
         panel.axhline(rows.ziv_zakai.iloc[0] / rows.crlb.iloc[0], color="black", linewidth=0.9, linestyle="--")
         panel.set_ylim(0.6, 2000)
-    lines = [("-", "Cramér-Rao bound"), ("--", "Ziv-Zakai bound, wraps included")]
+    lines = [("-", "Cramér-Rao bound"), ("--", "Ziv-Zakai bound of the window, wraps included")]
     return _finished(figure, panels, "RMSE / CRLB", lines)
 
 
