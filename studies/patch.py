@@ -14,7 +14,6 @@ from studies.quantity import Decibels, Wraps
 from studies.section import Section
 from studies.world import Reading
 
-
 Draw = Callable[..., EchoPair]
 
 

@@ -77,7 +77,7 @@ class Condition:
         return float(bounds.coherent_delay_crlb(looks, self.coherence, fc, bandwidth))
 
     def looks_of(self, wide: int) -> int:
-        """Looks of the echoes that a wrap is taken from: odd where the window is a part of them, to have whole looks."""
+        """Looks of the echoes that a wrap is taken from; odd where the window is a part of them."""
         return self.looks if wide == 1 else wide * self.looks | 1
 
     def patch(self, wide: int) -> Patch:

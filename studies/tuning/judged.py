@@ -64,19 +64,22 @@ class Judged:
 
     def beyond(self, tolerance: Tolerance) -> str:
         """Which of the intervals lies beyond the tolerance as a whole; empty where neither does."""
-        return self._which(tolerance, "low", "{name} {value:.3g} [{low:.3g}, {high:.3g}]")
+        return self._which(tolerance, "low", "{name} {value} is above {allowed:g}")
 
     def not_within(self, tolerance: Tolerance) -> str:
         """Which of the intervals does not lie within the tolerance as a whole; empty where both do."""
-        return self.beyond(tolerance) or self._which(tolerance, "high", "{name} {value:.3g} may be {high:.3g}")
+        return self.beyond(tolerance) or self._which(
+            tolerance, "high", "{name} {value} may be {high}, above {allowed:g}"
+        )
 
     def _which(self, tolerance: Tolerance, end: str, words: str) -> str:
-        for name, allowed, interval in (
-            ("STD/CRLB", tolerance.std_over_crlb, self.std_over_crlb),
-            ("wrap rate", tolerance.wrap_rate, self.wrap_rate),
+        for name, allowed, interval, digits in (
+            ("STD/CRLB", tolerance.std_over_crlb, self.std_over_crlb, ".4g"),
+            ("wrap rate", tolerance.wrap_rate, self.wrap_rate, ".2g"),
         ):
             if not getattr(interval, end) <= allowed:
-                return words.format(name=name, **interval._asdict())
+                value, high = format(interval.value, digits), format(interval.high, digits)
+                return words.format(name=name, value=value, high=high, allowed=allowed)
         return ""
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import scipy.fft
@@ -19,7 +20,10 @@ from studies.tuning.judged import Judged, Records
 FAR_STD, FAR_RATE = 1.5, 3.0
 """How many times what is allowed a prediction must be for a setting to be left out; predictions err by less."""
 
-BETTER_TRIES = 3
+TIGHTER = 1e-3
+"""Share by which a spread must be smaller on the same echoes to count as better."""
+
+BETTER_TRIES = 6
 """Dearer settings that are confirmed in search of a better one."""
 
 
@@ -47,10 +51,10 @@ class Tuned:
     best
         The cheapest setting that meets the tolerance; None where none does.
     cheaper, better
-        The next cheaper one, which fails; and the next dearer one that meets the tolerance too and has a smaller RMSE.
-        None where there is none.
+        The next cheaper one, which fails; and the next dearer one that meets the tolerance too and has a smaller spread
+        on the same echoes, or fewer wrong wraps. None where there is none among the first `BETTER_TRIES`.
     nearest
-        `best`; where there is none, the one whose spread and wrap-error rate exceed what is allowed by the least factor.
+        `best`; where there is none, the one whose spread and wrap rate exceed what is allowed by the least factor.
     looks_needed
         Where none meets it, the least looks with which a cross-correlation is predicted to; else None.
     judged
@@ -136,7 +140,7 @@ def _priced(condition: Condition, effort: Effort, rng: np.random.Generator) -> l
     cases: dict[str, Case] = {"copy": lambda: (pair.primary.copy(), pair.secondary.copy())}
     for one in chosen:
         estimator = one.build(FixedWindow(1, looks), FixedWindow(1, one.wide * looks))
-        cases[one.name] = lambda estimator=estimator: estimator.estimate(pair)
+        cases[one.name] = partial(estimator.estimate, pair)
     spent = in_turns(cases, effort.repeats)
     priced = []
     for one in chosen:
@@ -182,9 +186,9 @@ def _chosen(judged: Sequence[Judged], condition: Condition, tolerance: Tolerance
         return Tuned(condition, tolerance, None, None, None, found[nearest], needed, tuple(found))
     if best > 0 and not found[best - 1].trials:
         confirm(best - 1)
-    bar = to_digits(judged[best].rmse_over_crlb)
-    dearer = [place for place in left if place > best and to_digits(judged[place].rmse_over_crlb) < bar]
-    better = next((place for place in dearer[:BETTER_TRIES] if confirm(place)), None)
+    dearer = [place for place in left if place > best and _may_err_less(judged[place], judged[best])]
+    confirmed = (place for place in dearer[:BETTER_TRIES] if confirm(place))
+    better = next((place for place in confirmed if _errs_less(found[place], found[best])), None)
     return Tuned(
         condition,
         tolerance,
@@ -195,3 +199,18 @@ def _chosen(judged: Sequence[Judged], condition: Condition, tolerance: Tolerance
         looks_needed=None,
         judged=tuple(found),
     )
+
+
+def _may_err_less(one: Judged, other: Judged) -> bool:
+    """Whether a setting has a smaller spread on the same echoes, or takes its wrap from more of them."""
+    return one.setting.wide > other.setting.wide or _tighter(one, other)
+
+
+def _errs_less(one: Judged, other: Judged) -> bool:
+    """Whether a setting has a smaller spread on the same echoes, or fewer wrong wraps beyond chance."""
+    return one.wrap_rate.high < other.wrap_rate.low or _tighter(one, other)
+
+
+def _tighter(one: Judged, other: Judged) -> bool:
+    same_echoes = one.setting.wide == other.setting.wide
+    return same_echoes and one.std_over_crlb.value < (1 - TIGHTER) * other.std_over_crlb.value
