@@ -23,7 +23,7 @@ HALF_WIDTH = 2.5758293035489004
 FEW_ERRORS = 20
 """Wrong wraps to expect at the tolerance, below which rare ones are made frequent."""
 
-MOST_TRIALS, MOST_RARE, FEWEST_TRIALS = 60_000, 30_000, 2_000
+MOST_TRIALS, MOST_RARE, FEWEST_TRIALS = 60_000, 30_000, 500
 
 
 @dataclass(frozen=True)

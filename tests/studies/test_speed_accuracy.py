@@ -6,7 +6,7 @@ import pytest
 
 from estimators import FixedWindow, Interferogram
 from sim import SONARS
-from studies import catalogue, engine
+from studies import catalogue, engine, report
 from studies.catalogue import speed_accuracy
 from studies.catalogue.speed_accuracy_figures import pareto, pareto_wraps
 from studies.patch import Patch
@@ -91,9 +91,12 @@ def test_figures_and_answer(tables):
         assert listed.splitlines() == [f"{n} {r.estimator}, {r.setting}" for n, r in enumerate(front.itertuples(), 1)]
 
 
-def test_the_shipped_study_can_be_run():
+def test_the_shipped_study_can_be_run(tables):
     study = catalogue.study("speed-accuracy")
     assert engine.check(study) == []
+    found = report.Result(tables[0], pd.DataFrame(), pd.DataFrame(), [])
+    assert found.warnings == []
+    assert len(report.summary(study, found)) == (~tables[0].dominated & (tables[0].of == "estimator")).sum()
     assert study.for_a_first_look().experiment.rows < study.experiment.rows
 
 

@@ -15,7 +15,7 @@ from studies.study import made
 from studies.tuning import Condition, Effort, Tolerance, target_of
 
 SONAR = SONARS["hisas-100khz"]
-SMALL = Effort(timed=2**10, sorting=2**13, confirming=2**18, repeats=1)
+SMALL = Effort(timed=2**10, sorting=2**12, confirming=2**17, repeats=1)
 tuned = partial(studies.tune, SONAR, effort=SMALL)
 
 
