@@ -21,7 +21,7 @@ from studies.tuning import Effort
 
 DOCS = sorted((Path(__file__).parents[1] / "docs").glob("*.md"))
 
-FEW = Effort(timed=2**9, sorting=2**12, confirming=2**16, repeats=1)
+FEW = Effort(timed=2**9, sorting=2**12, confirming=2**18, repeats=1)
 """How much `tune` measures here."""
 
 COMMANDS = [
