@@ -26,21 +26,23 @@ class Quartiles(NamedTuple):
         return cls(float(median), float(low), float(high))
 
 
-def in_turns(cases: Mapping[str, Case], repeats: int) -> dict[str, Real]:
-    """Processor time of every repeat of each case [s], shape (repeat,).
+def in_turns(
+    cases: Mapping[str, Case], repeats: int, clock: Callable[[], float] = time.process_time
+) -> dict[str, Real]:
+    """Time of every repeat of each case [s], shape (repeat,); by default on this process's processor.
 
     Each is called once before, so that code is compiled and memory at hand. Then all take turns, so that a busy moment
-    strikes all alike, and a ratio of two is that within a turn. Time that the process waits for others does not count;
-    that of all its threads does.
+    strikes all alike, and a ratio of two is that within a turn. On the processor's clock, time that the process waits
+    for others does not count; that of all its threads does.
     """
     for case in cases.values():
         case()
     spent: dict[str, list[float]] = {name: [] for name in cases}
     for _ in range(repeats):
         for name, case in cases.items():
-            start = time.process_time()
+            start = clock()
             case()
-            spent[name].append(time.process_time() - start)
+            spent[name].append(clock() - start)
     return {name: np.array(values) for name, values in spent.items()}
 
 
