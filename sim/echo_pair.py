@@ -144,14 +144,22 @@ class EchoPair:
             object.__setattr__(self, "missing", missing)
 
     @classmethod
-    def with_gaps(cls, primary: NDArray[Any], secondary: NDArray[Any], *band: float, **known: Any) -> "EchoPair":
+    def with_gaps(
+        cls,
+        primary: NDArray[Any],
+        secondary: NDArray[Any],
+        sample_rate: float,
+        centre_frequency: float,
+        bandwidth: float,
+        **known: Any,
+    ) -> "EchoPair":
         """The pair of series that are not finite everywhere: such samples of either are missing, and zero in both.
 
         Parameters
         ----------
         primary, secondary
             Complex arrays of one shape, axes (along_track, time), or vectors.
-        band, known
+        sample_rate, centre_frequency, bandwidth, known
             What else a pair is made of.
 
         Raises
@@ -161,12 +169,12 @@ class EchoPair:
         """
         first, second = (np.atleast_2d(np.asarray(series)) for series in (primary, secondary))
         if first.shape != second.shape:
-            return cls(first, second, *band, **known)
+            return cls(first, second, sample_rate, centre_frequency, bandwidth, **known)
         bad: NDArray[np.bool_] = ~(np.isfinite(first) & np.isfinite(second))
         if bad.any():
             first, second = (np.where(bad, np.zeros((), series.dtype), series) for series in (first, second))
             known["missing"] = bad | known["missing"] if known.get("missing") is not None else bad
-        return cls(first, second, *band, **known)
+        return cls(first, second, sample_rate, centre_frequency, bandwidth, **known)
 
     def _checked_ratio(self, likelihood_ratio: Real) -> Real:
         ratio = np.asarray(likelihood_ratio, dtype=float)
