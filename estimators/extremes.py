@@ -8,11 +8,11 @@ scenes of all of them; at any one, wraps may be wrong `SHORT` times as often as 
 large. More than that, at a chance of one in a million, is a wrong number marked valid. An estimate that says its wrap
 is as likely wrong as right claims nothing of its spread.
 
-The factor has two causes. At exactly half a wrap an interferogram crosses the edge in half of all trials; as its phase
-errs by what misalignment leaves, all of it across the phase and not half, it claims `atan(1 / sqrt(2)) / pi` = .196, 2.55
-times too little, which over delays within half a wrap is made up for elsewhere. And noise outside the band, such as
-the tails between samples of a single spike, moves group delays `sqrt(3) fs / B` times as far as noise within it: 2.31
-times at `fs = 4/3 B`.
+The factor has two causes. At exactly half a wrap an interferogram crosses the edge in half of all trials. As its phase
+errs by what misalignment leaves, all of it across the phase and not half, it claims `atan(1 / sqrt(2)) / pi` = .196 on
+average, 2.55 times too little; over delays within half a wrap that is made up for elsewhere. And noise outside the
+band, such as the tails between samples of a single spike, moves group delays `sqrt(3) fs / B` times as far as noise
+within it: 2.31 times at `fs = 4/3 B`.
 """
 
 from dataclasses import dataclass

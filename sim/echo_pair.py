@@ -159,8 +159,10 @@ class EchoPair:
         ----------
         primary, secondary
             Complex arrays of one shape, axes (along_track, time), or vectors.
-        sample_rate, centre_frequency, bandwidth, known
-            What else a pair is made of.
+        sample_rate, centre_frequency, bandwidth
+            [Hz]
+        known
+            What else a pair is made of, by name.
 
         Raises
         ------
@@ -168,13 +170,14 @@ class EchoPair:
             As of a pair.
         """
         first, second = (np.atleast_2d(np.asarray(series)) for series in (primary, secondary))
+        band = sample_rate, centre_frequency, bandwidth
         if first.shape != second.shape:
-            return cls(first, second, sample_rate, centre_frequency, bandwidth, **known)
+            return cls(first, second, *band, **known)
         bad: NDArray[np.bool_] = ~(np.isfinite(first) & np.isfinite(second))
         if bad.any():
             first, second = (np.where(bad, np.zeros((), series.dtype), series) for series in (first, second))
             known["missing"] = bad | known["missing"] if known.get("missing") is not None else bad
-        return cls(first, second, sample_rate, centre_frequency, bandwidth, **known)
+        return cls(first, second, *band, **known)
 
     def _checked_ratio(self, likelihood_ratio: Real) -> Real:
         ratio = np.asarray(likelihood_ratio, dtype=float)
