@@ -6,8 +6,8 @@ import numpy as np
 
 from estimators.lag_product import LagStack
 from estimators.posterior import Looks
-from estimators.wrap_doubt_kernels import NODES, Model, Times, doubts, sub_band_doubts
-from sim.band import Complex, Real
+from estimators.wrap_doubt_kernels import NODES, Model, Times, doubts
+from sim.band import Real
 
 
 def wrap_doubt(
@@ -66,34 +66,6 @@ def wrap_doubt(
         Model(centre_frequency * stack.step, search / stack.step, distinct, which, tables),
     )
     return np.where(distinct[which] <= 1, guess, found)
-
-
-def sub_band_doubt(low: Complex, high: Complex, energy: Real, delay: Real, spacing: float, looks: Looks) -> Real:
-    """The same from two sub-bands alone, in the range where their phase difference is unambiguous.
-
-    With the interferograms `I` of sub-bands `df` apart the heights are `|I_low + I_high exp(2 pi i df tau)| / E`.
-
-    Parameters
-    ----------
-    low, high
-        Windowed interferograms of the sub-bands, shape (rows, time).
-    energy
-        `E`, the largest possible magnitude of their sum, same shape.
-    delay
-        The one that is doubted [wraps], as the phase of the whole band allows it, same shape.
-    spacing
-        `df / fc`.
-    looks
-        Equivalent independent looks of both sub-bands together, a number or one for each time.
-    """
-    search = 0.5 / spacing
-    most = int(np.ceil(2 * search)) + 1
-    # The delay's own wrap first.
-    wraps = np.concatenate([[0], np.arange(1, most + 1), np.arange(-most, 0)])
-    distinct, which = _looks_at(looks, low.shape[1])
-    tables = np.stack([_mass_table(float(n)) for n in distinct])
-    found: Real = sub_band_doubts(low, high, energy, delay, wraps, spacing, search, distinct, which, tables)
-    return found
 
 
 def _looks_at(looks: Looks, times: int) -> tuple[Real, Times]:
