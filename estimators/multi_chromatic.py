@@ -8,7 +8,7 @@ import scipy.fft
 from estimators.estimate import DelayEstimate
 from estimators.peak import Peak
 from estimators.search import by_rows, describe, read_at
-from estimators.sub_bands import LAGS_PER_RESOLUTION, band_share, carried_to, zero_lag_bands
+from estimators.sub_bands import LAGS_PER_RESOLUTION, band_pass, band_share, carried_to, lag_slope
 from estimators.windows import WindowPolicy
 from sim import EchoPair, checks
 from sim.band import Complex, Real
@@ -62,7 +62,9 @@ class MultiChromatic:
             centres = width * (np.arange(self.bands) - (self.bands - 1) / 2)
             shares = [band_share(frequencies, centre, width) for centre in centres]
             middles = np.array([np.average(frequencies, weights=share) for share in shares])
-            interferograms, slopes = zero_lag_bands(primary, secondary, frequencies, shares, window)
+            parts = [(band_pass(primary, share), band_pass(secondary, share)) for share in shares]
+            interferograms = np.stack([window.sum(low.conj() * high) for low, high in parts])
+            slopes = np.stack([lag_slope(low, high, frequencies, window) for low, high in parts])
             delay = _line_through(interferograms, slopes, middles)
             magnitude = np.abs(interferograms).sum(axis=0)
             return Peak(delay, interferograms.sum(axis=0), magnitude, np.ones((), dtype=np.bool_)).spread()

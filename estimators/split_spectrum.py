@@ -8,12 +8,12 @@ import scipy.fft
 from estimators.estimate import DelayEstimate
 from estimators.peak import Peak
 from estimators.search import by_rows, describe, read_at
-from estimators.sub_bands import LAGS_PER_RESOLUTION, band_share, carried_to, zero_lag_bands
+from estimators.sub_bands import LAGS_PER_RESOLUTION, band_pass, band_share
 from estimators.windows import WindowPolicy
 from sim import EchoPair, checks
-from sim.band import Complex, Real
+from sim.band import Complex
 
-BYTES_PER_SAMPLE = 1024
+BYTES_PER_SAMPLE = 192
 
 
 @dataclass(frozen=True)
@@ -22,11 +22,11 @@ class SplitSpectrum:
 
     With sub-bands of width `b` at the ends of the band, `df` apart, and their windowed zero-lag interferograms
     `I_low`, `I_high`: `delay = -arg(I_high I_low*) / (2 pi df)`, unambiguous within `1 / (2 df)` (paper A, section 3.3;
-    Delta-k). As the speckle's spectrum is off centre within each, their phases err in proportion to the delay from the
-    lag at which they are read: they are carried half way to it, along their derivatives, which leaves a quarter of that
-    variance. (Carried all the way they follow the error of the first reading too: up to a tenth more wrong wraps where
-    these are rare.) The phase of the full band's lag product at the delay then refines it. The bound is the group-delay
-    bound times `sqrt(B^3 / (6 b (B - b)^2))`, least at `b = B / 3`.
+    Delta-k). The phase of the full band's lag product at that delay then refines it. The bound is the group-delay bound
+    times `sqrt(B^3 / (6 b (B - b)^2))`, least at `b = B / 3`. For 81 looks of coherence .9 it is reached within 2 % at
+    zero delay, and within 3.5 % over delays of up to half a wrap, as the speckle's spectrum is off centre within each
+    sub-band. (Read half way to the delay that zero lag gives, sub-bands are within 2.6 % there, but follow its error: a
+    sixth more wrong wraps at rates of 1e-6 and below.)
 
     Parameters
     ----------
@@ -62,22 +62,16 @@ class SplitSpectrum:
             frequencies = scipy.fft.fftfreq(primary.shape[1], 1 / pair.sample_rate)
             shares = [band_share(frequencies, centre, width) for centre in (-apart / 2, apart / 2)]
             spacing = np.average(frequencies, weights=shares[1]) - np.average(frequencies, weights=shares[0])
-            interferograms, slopes = zero_lag_bands(primary, secondary, frequencies, shares, window)
-            delay = _delay(interferograms, spacing)
-            delay = delay / 2 + _delay(carried_to(delay / 2, interferograms, slopes), spacing)
-            return Peak(delay, interferograms[0], np.abs(interferograms[0]), np.ones((), dtype=np.bool_)).spread()
+            parts = ((band_pass(primary, share), band_pass(secondary, share)) for share in shares)
+            low, high = (window.sum(p.conj() * s) for p, s in parts)
+            delay = -np.angle(high * low.conj()) / (2 * np.pi * spacing)
+            return Peak(delay, low, np.abs(low), np.ones((), dtype=np.bool_)).spread()
 
-        search = min(0.5 / apart, pair.grid.period / 2)
-        delay = np.clip(by_rows(pair, window, 0, BYTES_PER_SAMPLE, peaks).delay, -search, search)
+        half_record = pair.grid.period / 2
+        search = min(0.5 / apart, half_record)
+        delay = np.clip(by_rows(pair, window, 0, BYTES_PER_SAMPLE, peaks).delay, -half_record, half_record)
         peak = read_at(pair, window, delay, LAGS_PER_RESOLUTION, search, refine=self.refine)
         # Two bands have the rms width of a flat one that is narrower by the factor of their bound.
         share = width / pair.bandwidth
         bandwidth = pair.bandwidth * np.sqrt(6 * share) * (1 - share)
         return describe(pair, window, peak, refine=self.refine, search=search, bandwidth=bandwidth)
-
-
-def _delay(interferograms: Complex, spacing: float) -> Real:
-    """Delay from the phase difference of two sub-bands so far apart [Hz]."""
-    low, high = interferograms
-    delay: Real = -np.angle(high * low.conj()) / (2 * np.pi * spacing)
-    return delay

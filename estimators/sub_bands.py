@@ -1,7 +1,5 @@
 """Sub-bands of a series, and zero-lag interferograms carried to a delay."""
 
-from collections.abc import Sequence
-
 import numpy as np
 import scipy.fft
 
@@ -28,18 +26,6 @@ def band_pass(series: Complex, share: Real) -> Complex:
     """The part of periodic series (rows, samples) in a band, whose power in every bin is the share of it."""
     passed: Complex = scipy.fft.ifft(scipy.fft.fft(series, axis=-1) * np.sqrt(share), axis=-1)
     return passed
-
-
-def zero_lag_bands(
-    primary: Complex, secondary: Complex, frequencies: Real, shares: Sequence[Real], window: Window
-) -> tuple[Complex, Complex]:
-    """Windowed interferograms of sub-bands at zero lag, and their derivatives over the delay, shape (band, rows, time).
-
-    `frequencies` are those of the Fourier bins [Hz], `shares` what of each lies in each of the bands.
-    """
-    parts = [(band_pass(primary, share), band_pass(secondary, share)) for share in shares]
-    interferograms = np.stack([window.sum(p.conj() * s) for p, s in parts])
-    return interferograms, np.stack([lag_slope(p, s, frequencies, window) for p, s in parts])
 
 
 def lag_slope(primary: Complex, secondary: Complex, frequencies: Real, window: Window) -> Complex:

@@ -24,12 +24,15 @@ def wrap_doubt(
     the mean of `(1 - c^2 cos^2)^-(N - 1)` over the half of a wrap where the cosine is positive, and of 1 over the
     other; at the ends of the range, times the part of the wrap that is within. That is the likelihood of a delay of
     circular Gaussian series, their scales and their coherence integrated out: that of gamma, which goes as
-    `(1 - gamma^2)^N (1 - gamma c)^(1/2 - 2N)`, with a flat `atanh(gamma)`, by Laplace's method about `gamma = c`.
-    As the wraps are taken to be periods of the carrier, it is within .1 of the integral at 5 looks, and within .005 at
-    half of all records.
+    `(1 - gamma^2)^N (1 - gamma c)^(1/2 - 2N)`, with a prior flat in `asin(gamma)`, by Laplace's method. The exponent
+    hangs on that prior: one flat in `atanh(gamma)` gives N - 1/2, as `estimators.posterior` has, and one flat in gamma
+    N - 3/2. N - 1 was chosen because with it claimed and found rates agree over many coherences. As the wraps are taken
+    to be periods of the carrier, and troughs to be as likely as nothing, it is within .15 of the exact integral at 5
+    to 15 looks, mostly .03 above it, and within .05 from 33 looks on, mostly .002.
 
-    The prior is flat in the delay over the range too. So what it says is right over scenes of many coherences, and not
-    at each: of a high one, which the window does not know of itself, it says too much.
+    The prior is flat in the delay over the range too. So what it says is right over scenes whose coherences are spread
+    as that prior, where found rates are .98 to 1.03 times those claimed of .003 and more, and not at each: of a high
+    one, which the window does not know of itself, it says too much.
 
     Parameters
     ----------
