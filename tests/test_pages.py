@@ -10,9 +10,11 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from sim import SONARS, Scene, simulate, write_pair
 from studies.cli import app
 
 ROOT = Path(__file__).parents[1]
@@ -32,7 +34,7 @@ SMALL = {
         "long-range": "--trials 84 --set trials.block=84 --set 'scene.ground_range=[95, 130]' --set 'scene.features=[]'",
         "reliability": "--set experiment.rows=40",
         "quality": "--set experiment.rows=2",
-        "neighbours": "--set experiment.rows=5",
+        "neighbours": "--set experiment.rows=10",
         "scene-plans": "--set plans.rows=2 --set plans.repeats=2",
     }.items()
 }
@@ -64,6 +66,11 @@ def run_python(code, names):
     with contextlib.redirect_stdout(printed):
         exec(compile(code, "block", "exec"), names)
     return printed.getvalue()
+
+
+def measured(name):
+    """What a user of `estimate` has."""
+    write_pair(simulate(Scene((30.0, 34.0)), SONARS["hisas-100khz"], rng=np.random.default_rng(1), rows=20), name)
 
 
 def at_a_fraction(words):
@@ -132,6 +139,8 @@ def free_port():
 def test_a_page_does_what_it_says(page, tmp_path, monkeypatch, started, free_port):
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
+    if page.name == "README.md":
+        measured("pair.nc")
     names, printed = {}, ""
     for language, code in BLOCKS.findall(page.read_text(encoding="utf-8")):
         file = re.match(r"# (\S+\.(?:toml|py))\n", code)

@@ -19,5 +19,5 @@ def test_python_examples_run(code, capsys):
 
 def test_pictures_are_kept():
     pictures = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", README)
-    assert len(pictures) == 12
+    assert len(pictures) == 9
     assert all((Path(__file__).parents[1] / picture).is_file() for picture in pictures)
