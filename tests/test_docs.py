@@ -99,7 +99,9 @@ def test_the_answer_for_silt_at_300_m():
 @pytest.fixture(scope="module")
 def place(tmp_path_factory):
     folder = tmp_path_factory.mktemp("docs")
-    examples = re.findall(r"```toml\n(.*?)```", (Path(__file__).parents[1] / "docs/study-files.md").read_text(), re.DOTALL)
+    examples = re.findall(
+        r"```toml\n(.*?)```", (Path(__file__).parents[1] / "docs/study-files.md").read_text(), re.DOTALL
+    )
     (scene,) = (example for example in examples if example.startswith('name = "trawl-marks"'))
     for name, example in (("my-study.toml", examples[0]), ("my-scene.toml", scene)):
         (folder / name).write_text(example)

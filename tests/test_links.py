@@ -35,7 +35,9 @@ def test_links_lead_somewhere(page):
 
 def test_anchors_are_githubs(tmp_path):
     page = tmp_path / "page.md"
-    page.write_text("# Is this number right?\n\n```sh\n# no heading\n```\n\n## 5. `A`-b, Sæbø's\n[x](#y) [z](https://z)\n")
+    page.write_text(
+        "# Is this number right?\n\n```sh\n# no heading\n```\n\n## 5. `A`-b, Sæbø's\n[x](#y) [z](https://z)\n"
+    )
     assert anchors(page) == {"is-this-number-right", "5-a-b-sæbøs"}
     assert links(page) == ["#y"]
 
