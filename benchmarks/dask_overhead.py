@@ -1,7 +1,7 @@
 """What a task costs on a Dask scheduler with two workers, against two loky jobs and one process, on the same study.
 
-Run it alone on a quiet machine: `.venv/bin/python -P benchmarks/dask_overhead.py`. All figures are of one run. Blocks are so
-small that almost all of the time is spent to hand them out, start them and store what they give.
+Run it alone on a quiet machine: `.venv/bin/python -P benchmarks/dask_overhead.py`. All figures are of one run. Blocks
+are so small that most of the time is spent to hand them out and store what they give.
 """
 
 import socket
@@ -51,14 +51,11 @@ def cluster(workers: int) -> Iterator[str]:
         [sys.executable, "-m", "distributed.cli.dask_worker"],
     )
     address = f"tcp://127.0.0.1:{port}"
-    options = (
-        ["--host", "127.0.0.1", "--port", str(port), "--no-dashboard"],
-        [address, "--nworkers", str(workers), "--nthreads", "1", "--no-dashboard"],
+    commands = (
+        [dask, "scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"],
+        [dask, "worker", address, "--nworkers", str(workers), "--nthreads", "1", "--no-dashboard"],
     )
-    started = [
-        subprocess.Popen([*command, *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        for command, words in zip(dask, options, strict=True)
-    ]
+    started = [subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) for words in commands]
     try:
         yield address
     finally:

@@ -33,7 +33,7 @@ SMALL = {
         "--set 'sonar.bandwidth=30 kHz'",
         "calibration": "--trials 100 --set trials.block=100 --set patch.looks=9 --set patch.snr=5.9 "
         "--set 'sonar.bandwidth=30 kHz'",
-        "long-range": "--trials 62 --set trials.block=62 --set 'scene.ground_range=[99, 126]' --set 'scene.features=[]'",
+        "long-range": "--trials 62 --set trials.block=62 --set scene.features=[] --set 'scene.ground_range=[99, 126]'",
         "reliability": "--set experiment.rows=40",
         "quality": "--set experiment.rows=2",
         "neighbours": "--set experiment.rows=10",
@@ -60,9 +60,7 @@ def check_printed(said, printed):
     """Every line that is said is printed, in this order; others may be between."""
     lines = iter(printed.splitlines())
     for line in said.splitlines():
-        assert any(same(line, candidate) for candidate in lines), (
-            f"{line!r} is not printed, in its place, by:\n{printed}"
-        )
+        assert any(same(line, candidate) for candidate in lines), f"{line!r} is not among:\n{printed}"
 
 
 def run_python(code, names):
