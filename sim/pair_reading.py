@@ -127,10 +127,7 @@ class PairFile:
     def rows(self, chosen: slice) -> EchoPair:
         """The pair of only these rows; samples that are not finite in either series are missing, and zero."""
         primary, secondary = (np.atleast_2d(self._series(name, chosen)) for name in ("primary", "secondary"))
-        bad: NDArray[np.bool_] = ~(np.isfinite(primary) & np.isfinite(secondary))
-        if bad.any():
-            primary, secondary = np.where(bad, 0, primary), np.where(bad, 0, secondary)
-        return EchoPair(
+        return EchoPair.with_gaps(
             primary=primary,
             secondary=secondary,
             sample_rate=self._number("sample_rate"),
@@ -139,7 +136,6 @@ class PairFile:
             geometry=self.geometry,
             row_spacing=self.row_spacing,
             row_looks=self._number("row_looks") if "row_looks" in self.stored else 1.0,
-            missing=bad if bad.any() else None,
         )
 
     @cached_property

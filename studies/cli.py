@@ -6,6 +6,7 @@ import warnings
 
 import typer
 
+from studies.commands.check_estimator import check_estimator
 from studies.commands.estimate import estimate
 from studies.commands.look import check, list_studies
 from studies.commands.predict import predict
@@ -29,6 +30,7 @@ for name, command in (
     ("merge", merge),
     ("predict", predict),
     ("estimate", estimate),
+    ("check-estimator", check_estimator),
 ):
     app.command(name)(command)
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from studies import seeds
-from studies.method import source_of
+from studies.estimator_names import source_of
 from studies.section import plain, resolved
 from studies.seeds import canonical
 from studies.study import Study, made

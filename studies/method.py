@@ -4,25 +4,18 @@ import hashlib
 import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field
 
-import estimators
 from estimators import Estimator, FixedWindow
 from estimators.windows import WindowPolicy
-from studies.named import imported, words_of
+from studies.estimator_names import estimator_class
+from studies.named import words_of
 from studies.section import Section, suggestion
 from studies.window_section import PolicySection, WindowSection
 from studies.world import World
-
-SHIPPED = tuple(
-    name for name in estimators.__all__ if hasattr(getattr(estimators, name), "estimate") and name != "Estimator"
-)
-"""Names of the estimator classes of this package."""
-
 
 Option = bool | int | float | str
 
@@ -35,8 +28,9 @@ class EstimatorSection(Section):
     name
         What the tables call it.
     method
-        A class of `estimators`, or `module:object` of one's own: anything that is called with a window and the options
-        and gives an estimator. If it takes `rng`, it gets a random generator of its own.
+        A class of `estimators`, the entry point of an installed package, or `module:object` of one's own: anything that
+        is called with a window and the options and gives an estimator. If it takes `rng`, it gets a random generator of
+        its own.
     windows
         Each [rows, samples], "record" for all of a patch's record, or a policy (`PolicySection`); it is tried with
         every one of them.
@@ -72,7 +66,7 @@ class Method:
 
     def build(self, rng: np.random.Generator) -> Estimator:
         """The estimator; ValueError where it cannot be made so."""
-        make = _found(self.section.method)
+        make = estimator_class(self.section.method)
         given: dict[str, Any] = dict(self.section.options)
         takes = _parameters(make)
         if takes is not None:
@@ -101,25 +95,6 @@ def _policy(window: WindowSection, world: World) -> WindowPolicy:
     if isinstance(window, PolicySection):
         return window.window()
     return FixedWindow(*(world.record() if window == "record" else window))
-
-
-def _found(name: str) -> Any:
-    if ":" in name:
-        return imported(name, "method")
-    if name not in SHIPPED:
-        raise ValueError(f"method is {name!r}; it must be module:object, or {suggestion(name, SHIPPED)}")
-    return getattr(estimators, name)
-
-
-def source_of(name: str) -> str:
-    """Digest of the file that an object of one's own comes from; empty for what is shipped, and where there is none."""
-    if ":" not in name:
-        return ""
-    try:
-        file = inspect.getsourcefile(inspect.unwrap(imported(name, "method")))
-        return hashlib.sha256(Path(file).read_bytes()).hexdigest()[:16] if file else ""
-    except (TypeError, OSError):
-        return ""
 
 
 def _parameters(make: Any) -> list[str] | None:

@@ -3,6 +3,7 @@
 import contextlib
 import re
 import tomllib
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from typer.testing import CliRunner
 from estimators import FixedWindow, conformance
 from sim import SONARS
 from studies import catalogue, engine, predict, report
+from studies.catalogue import scaling
 from studies.cli import app
 from studies.named import imported
 from studies.study import made
@@ -40,41 +42,31 @@ def found_in(language):
     ]
 
 
-def blocks_of(language):
-    found = found_in(language)
-    return pytest.mark.parametrize("code", [code for _, code in found], ids=[name for name, _ in found])
+STUDIES = [(name, code) for name, code in found_in("toml") if "[project]" not in code]
 
 
-@blocks_of("toml")
-def test_study_files_are_studies(code):
+@pytest.mark.parametrize("code", [code for _, code in STUDIES], ids=[name for name, _ in STUDIES])
+def test_study_files_are_studies(code, place, monkeypatch):
+    monkeypatch.syspath_prepend(place)
     study = made(tomllib.loads(code), "docs")
     assert bool(engine.check(study)) == study.simulates
     assert bool(engine.check(study.for_a_first_look())) == study.simulates
 
 
-def test_the_estimator_of_ones_own_is_one(monkeypatch, tmp_path):
-    (code,) = (code for _, code in found_in("python") if "Whitened" in code)
-    (tmp_path / "my_estimator.py").write_text(code)
-    monkeypatch.syspath_prepend(tmp_path)
+def test_the_estimator_of_ones_own_is_one(place, monkeypatch, tmp_path):
+    monkeypatch.syspath_prepend(place)
     made_by_docs = imported("my_estimator:Whitened", "method")(FixedWindow(1, 33))
     assert conformance.findings(made_by_docs) == []
-    study = catalogue.study("wrap-errors").with_values(
-        {
-            "estimators": [
-                {"name": "plain", "method": "CrossCorrelation"},
-                {"name": "own", "method": "my_estimator:Whitened"},
-            ],
-            "patch.looks": [33],
-            "patch.snr": [8],
-            "sonar.bandwidth": ["30 kHz"],
-            "trials.count": 2000,
-        }
-    )
-    engine.run(study, engine.Run(jobs=1), tmp_path / "out")
-    table = report.result(study, engine.store_of(study, 2026, tmp_path / "out")).table.set_index("estimator")
+    (code,) = (code for _, code in STUDIES if '"my_estimator:Whitened"' in code)
+    study = made(tomllib.loads(code), "docs")
+    engine.run(study, engine.Run(jobs=1, backend="sequential"), tmp_path / "out")
+    found = report.result(study, engine.store_of(study, 2026, tmp_path / "out"))
+    table = found.table.set_index("estimator")
     assert table.failures.sum() == 0
     # Amplitudes carry part of what is known: without them the spread is wider, but not by much.
     assert 1.0 < table.delay_std_in_wrap["own"] / table.delay_std_in_wrap["plain"] < 1.6
+    report.write(study, found, tmp_path / "out")
+    assert (tmp_path / "out" / "figures" / "spread.png").is_file()
 
 
 def test_the_depth_map_is_one(capsys):
@@ -105,6 +97,20 @@ def place(tmp_path_factory):
     (scene,) = (example for example in examples if example.startswith('name = "trawl-marks"'))
     for name, example in (("my-study.toml", examples[0]), ("my-scene.toml", scene)):
         (folder / name).write_text(example)
+    (estimator,) = (code for _, code in found_in("python") if "class Whitened" in code)
+    (folder / "my_estimator.py").write_text(estimator)
+    (package,) = (tomllib.loads(code)["project"] for _, code in found_in("toml") if "[project]" in code)
+    # What an installer makes of it.
+    installed = folder / f"{package['name'].replace('-', '_')}-{package['version']}.dist-info"
+    installed.mkdir()
+    (installed / "METADATA").write_text(
+        f"Metadata-Version: 2.1\nName: {package['name']}\nVersion: {package['version']}\n"
+    )
+    entries = [
+        f"[{group}]\n" + "".join(f"{name} = {value}\n" for name, value in points.items())
+        for group, points in package["entry-points"].items()
+    ]
+    (installed / "entry_points.txt").write_text("\n".join(entries))
     (code,) = (code for _, code in found_in("python") if "write_pair" in code)
     with contextlib.chdir(folder):
         exec(code, {})
@@ -114,16 +120,21 @@ def place(tmp_path_factory):
 def test_commands_do_what_they_say(place, monkeypatch):
     """In the order of the pages, at a fraction of their size."""
     monkeypatch.chdir(place)
+    monkeypatch.syspath_prepend(place)
+    all_sweeps = scaling.sweeps
+    monkeypatch.setattr(scaling, "sweeps", lambda *given: islice(all_sweeps(*given), 2))
     small = ["--set", "patch.looks=9", "--set", "sonar.bandwidth=30 kHz", "--set", "trials.block=50", "--trials", "100"]
     for _, line in COMMANDS:
         words = line.removeprefix("./run.sh ").split()
         if words[:2] == ["run", "my-study.toml"]:
             words += ["--trials", "2000", "--jobs", "1"]
+        elif words[:2] in (["run", "scaling"], ["run", "peers"]):
+            words += ["--set", "experiment.rows=1"]
         elif words[0] == "run":
             words += [*small, "--jobs", "1"]
         found = CliRunner().invoke(app, words)
         assert found.exit_code == 0, (line, found.output)
-    for name in ("pair-estimate", "ml"):
+    for name in ("pair-estimate", "ml", "whitened"):
         with xr.open_dataset(f"{name}.nc", engine="h5netcdf") as estimates:
             floor = estimates.depth.where((estimates.valid == 1) & (estimates.wrap_error_probability < 1e-3))
             # A floor 15 m below the sonar, and on it a box of 1 m.

@@ -92,3 +92,17 @@ def with_nan():
 def test_echo_pair(change, message):
     with pytest.raises(ValueError, match=f"^{message}$"):
         EchoPair(**{**GOOD_PAIR, **change})
+
+
+def test_samples_that_are_not_finite_are_gaps_where_asked():
+    series = np.ones((2, 8), np.complex64)
+    pair = EchoPair.with_gaps(with_nan().astype(np.complex64), series, 40e3, 100e3, 30e3)
+    expected = np.zeros((2, 8), dtype=bool)
+    expected[1, [3, 5]] = True
+    np.testing.assert_array_equal(pair.missing, expected)
+    for found in (pair.primary, pair.secondary):
+        np.testing.assert_array_equal(found, np.where(expected, 0, series))
+        assert found.dtype == np.complex64
+    assert EchoPair.with_gaps(series, series, 40e3, 100e3, 30e3).missing is None
+    with pytest.raises(ValueError, match="they must be equal"):
+        EchoPair.with_gaps(series, np.ones((2, 9), complex), 40e3, 100e3, 30e3)
