@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from estimators import FixedWindow, conformance
 from sim import SONARS
-from studies import catalogue, engine, predict, report
+from studies import engine, predict, report
 from studies.catalogue import scaling
 from studies.cli import app
 from studies.named import imported
