@@ -2,6 +2,7 @@
 
 import contextlib
 import re
+import shlex
 import tomllib
 from itertools import islice
 from pathlib import Path
@@ -125,7 +126,7 @@ def test_commands_do_what_they_say(place, monkeypatch):
     monkeypatch.setattr(scaling, "sweeps", lambda *given: islice(all_sweeps(*given), 2))
     small = ["--set", "patch.looks=9", "--set", "sonar.bandwidth=30 kHz", "--set", "trials.block=50", "--trials", "100"]
     for _, line in COMMANDS:
-        words = line.removeprefix("./run.sh ").split()
+        words = shlex.split(line.removeprefix("./run.sh "), comments=True)
         if words[:2] == ["run", "my-study.toml"]:
             words += ["--trials", "2000", "--jobs", "1"]
         elif words[:2] in (["run", "scaling"], ["run", "peers"]):
