@@ -7,7 +7,7 @@ import scipy.fft
 
 from estimators.estimate import DelayEstimate
 from estimators.height import Height
-from estimators.lag_product import LagSeries, LagStack, lag_series, scale_of
+from estimators.lag_product import LagSeries, LagStack, lag_series, resolved, scale_of
 from estimators.peak import Index, Peak, moved_to, peak_at
 from estimators.peak_kernels import STENCIL
 from estimators.posterior import delay_std
@@ -240,6 +240,7 @@ def describe(
     looks = window.looks(pair)
     relative_bandwidth = (bandwidth or pair.bandwidth) / pair.centre_frequency
     within_wrap = delay_std(coherence, looks, relative_bandwidth, refine=refine) / pair.centre_frequency
+    heard = resolved(pair.primary) and resolved(pair.secondary)
     return DelayEstimate(
         *(
             np.broadcast_to(array, pair.shape)
@@ -251,7 +252,7 @@ def describe(
                 predicted_std(within_wrap, search),
                 peak.doubt,
                 1 - peak.doubt,
-                window.inside(pair) & peak.inside & (peak.energy > 0),
+                window.inside(pair) & peak.inside & (peak.energy > 0) & heard,
             )
         )
     )

@@ -40,7 +40,10 @@ class EstimatorSection(Section):
         In how many blocks of a design point it is tried, from the first on; in all by default. For what takes long.
     """
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9 ._+-]*$")]
+    name: Annotated[
+        str,
+        Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9 ._+-]*$", description="letters, digits, spaces and any of . _ + -"),
+    ]
     method: str
     windows: Annotated[tuple[WindowSection, ...], Field(min_length=1)] = ("record",)
     options: Mapping[str, Option] = {}
