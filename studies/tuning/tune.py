@@ -207,8 +207,11 @@ def _may_err_less(one: Judged, other: Judged) -> bool:
 
 
 def _errs_less(one: Judged, other: Judged) -> bool:
-    """Whether a setting has a smaller spread on the same echoes, or fewer wrong wraps beyond chance."""
-    return one.wrap_rate.high < other.wrap_rate.low or _tighter(one, other)
+    """Whether a setting has fewer wrong wraps beyond chance or a smaller spread, and not more of the other."""
+    fewer = one.wrap_rate.high < other.wrap_rate.low
+    more = one.wrap_rate.low > other.wrap_rate.high
+    wider = one.std_over_crlb.low > other.std_over_crlb.high
+    return (fewer and not wider) or (_tighter(one, other) and not more)
 
 
 def _tighter(one: Judged, other: Judged) -> bool:
