@@ -2,6 +2,7 @@
 
 import contextlib
 import re
+import shlex
 import tomllib
 from itertools import islice
 from pathlib import Path
@@ -21,7 +22,11 @@ from studies.named import imported
 from studies.study import made
 from studies.tuning import Effort
 
-DOCS = sorted((Path(__file__).parents[1] / "docs").glob("*.md"))
+DOCS = [
+    page
+    for page in sorted((Path(__file__).parents[1] / "docs").rglob("*.md"))
+    if "run in order by tests/test_pages.py" not in page.read_text(encoding="utf-8")
+]
 
 FEW = Effort(timed=2**9, sorting=2**12, confirming=2**18, repeats=1)
 """How much `tune` measures here."""
@@ -111,7 +116,9 @@ def test_the_answer_for_silt_at_300_m():
 @pytest.fixture(scope="module")
 def place(tmp_path_factory):
     folder = tmp_path_factory.mktemp("docs")
-    examples = re.findall(r"```toml\n(.*?)```", (DOCS[-1].parent / "study-files.md").read_text(), re.DOTALL)
+    examples = re.findall(
+        r"```toml\n(.*?)```", (Path(__file__).parents[1] / "docs/study-files.md").read_text(), re.DOTALL
+    )
     (scene,) = (example for example in examples if example.startswith('name = "trawl-marks"'))
     for name, example in (("my-study.toml", examples[0]), ("my-scene.toml", scene)):
         (folder / name).write_text(example)
@@ -144,7 +151,7 @@ def test_commands_do_what_they_say(place, monkeypatch):
     monkeypatch.setattr(scaling, "sweeps", lambda *given: islice(all_sweeps(*given), 2))
     small = ["--set", "patch.looks=9", "--set", "sonar.bandwidth=30 kHz", "--set", "trials.block=50", "--trials", "100"]
     for _, line in COMMANDS:
-        words = line.removeprefix("./run.sh ").split()
+        words = shlex.split(line.removeprefix("./run.sh "), comments=True)
         if words[:2] == ["run", "my-study.toml"]:
             words += ["--trials", "2000", "--jobs", "1"]
         elif words[:2] in (["run", "scaling"], ["run", "peers"]):
