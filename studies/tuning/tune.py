@@ -94,14 +94,27 @@ def tune(
 
     Parameters
     ----------
-    sonar, looks, coherence, delay
-        As of `Condition`.
+    sonar
+        Centre frequency and bandwidth.
+    looks
+        Independent looks in the window, 3 to 5,000.
+    coherence
+        Of the two series, .01 to .9999.
     rng
         The only source of chance. Times are measured, and so is what follows from their order.
-    over_bound, wrap_rate
-        As of `Tolerance`.
+    over_bound
+        The spread in the right wrap may be that share above the coherent Cramér-Rao bound; .001 to 100.
+    wrap_rate
+        Largest wrap-error rate; 1e-8 to 1.
+    delay
+        True delays are even within so many wraps of zero, a number from 0.
     effort
         How much is measured.
+
+    Returns
+    -------
+    Tuned
+        The setting, those beside it and all others.
 
     Raises
     ------
