@@ -60,10 +60,12 @@ def measure(sonar: Sonar, rows: int, rng: np.random.Generator) -> pd.DataFrame:
 
 
 def _speckle(sonar: Sonar, rows: int, coherence: float, rng: np.random.Generator) -> EchoPair:
+    # One delay in each of as many equal parts of the range, so that few rows hold it as evenly as many.
+    even = (rng.permutation(rows) + rng.random(rows)) / rows
     return speckle_pair(
         (rows, SAMPLES),
         coherence=coherence,
-        delay=rng.uniform(-DELAY, DELAY, rows) * sonar.wrap,
+        delay=DELAY * (2 * even - 1) * sonar.wrap,
         centre_frequency=sonar.centre_frequency,
         bandwidth=sonar.bandwidth,
         sample_rate=sonar.bandwidth,

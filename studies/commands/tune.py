@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import typer
 
+from estimators import FixedWindow
 from sim import checks
 from studies import catalogue, seeds
 from studies.commands.runs import key_and_value
@@ -64,8 +65,9 @@ def said(found: Tuned, source: str) -> str:
         elif one.fails:
             lines.append(f"{role} fails: {one.fails}")
     if found.best is not None:
-        windows = where.windows(found.best.setting.wide)
-        lines.append(f"in Python: {found.best.setting.build(*windows)}")
+        setting = found.best.setting
+        windows = (FixedWindow(1, samples) for samples in (where.looks, where.looks_of(setting.wide)))
+        lines.append(f"in Python, with a sample for each look: {setting.build(*windows)}")
     lines.append("99 % intervals in brackets; quartiles of the time; a copy is that of both series")
     return "\n".join(lines)
 

@@ -11,8 +11,12 @@ import studies
 from estimators import bounds
 from sim import SONARS, rare_speckle_pair, speckle_pair
 from studies.cli import app
+from studies.settings import settings
+from studies.statistics import Interval
 from studies.study import made
-from studies.tuning import Condition, Effort, Tolerance, target_of
+from studies.timing import Quartiles
+from studies.tuning import Condition, Effort, Judged, Tolerance, target_of
+from studies.tuning.tune import _errs_less
 
 SONAR = SONARS["hisas-100khz"]
 SMALL = Effort(timed=2**10, sorting=2**12, confirming=2**17, repeats=1)
@@ -183,7 +187,7 @@ def test_the_command_shows_the_answer(monkeypatch):
     assert found.exit_code == 0, found.output
     assert "asked for: STD/CRLB at most 1.2, wrap rate at most 0.01" in found.output
     assert "cheapest that meets it" in found.output
-    assert "in Python: " in found.output
+    assert "in Python, with a sample for each look: " in found.output
     none = CliRunner().invoke(app, ["tune", "--looks", "5", "--coherence", ".3", "--quick"])
     assert none.exit_code == 0, none.output
     assert "no setting meets it; a cross-correlation is predicted to with " in none.output
@@ -196,3 +200,18 @@ def test_conditions_are_what_they_say():
     assert [condition.windows(1)[0].samples, condition.windows(3)[0].samples] == [16, 8]
     assert condition.looks_of(3) == 25
     assert Tolerance(0.05, 1e-3).excess(2.1, 1e-3) == pytest.approx(2.0)
+
+
+def test_better_is_less_of_one_and_not_more_of_the_other():
+    cost = Quartiles(1.0, 1.0, 1.0)
+    wide = settings(SONAR, 33, 0.5)[0]
+
+    def judged(std, rate):
+        return Judged(wide, cost, cost, Interval(std, std - 0.01, std + 0.01), Interval(rate, 0.8 * rate, 1.2 * rate))
+
+    best = judged(1.02, 1e-3)
+    assert _errs_less(judged(1.01, 1e-3), best)
+    assert _errs_less(judged(1.02, 1e-4), best)
+    assert not _errs_less(judged(1.0199, 1e-3), best)
+    assert not _errs_less(judged(1.01, 2e-3), best)
+    assert not _errs_less(judged(1.05, 1e-4), best)
