@@ -40,6 +40,11 @@ class MultiChromatic:
         `C`, at least 2.
     refine
         Whether the residual phase refines the delay.
+
+    Raises
+    ------
+    ValueError
+        For fewer bands; by `estimate`, for so many that one holds no Fourier bin.
     """
 
     window: WindowPolicy

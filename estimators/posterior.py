@@ -14,14 +14,24 @@ from functools import lru_cache
 import numpy as np
 from scipy.special import stdtr
 
+from estimators.even_table import read_even
 from sim.band import Real
 
 Looks = float | Real
 """Independent looks of a window: a number, or one for each time."""
 
+Table = tuple[Real, Real]
+"""Places, and the values there."""
+
 NODES = 129
 """Coherences at which intervals are tabulated: even steps in the angle whose sine they are, with which intervals near
-full coherence go to zero on a straight line."""
+full coherence go to zero on a straight line: from where they no longer fill the wrap, late in a narrow band."""
+
+LAST_NODES = 41
+"""More, at even ratios of the angle's distance from the quarter turn, in the last step."""
+
+ROUNDING = 3e-7
+"""Least such distance, and root of `1 - g^2`, that rounding leaves to be told; nearer to 1 nothing more is claimed."""
 
 GUESS = 0.475
 """Half-width of the 95 % interval of a guess within a wrap [wraps]."""
@@ -36,7 +46,7 @@ def delay_std(coherence: Real, looks: Looks, relative_bandwidth: float, *, refin
     The interval holds 95 % of the likelihood `(1 - g^2 s(tau)^2)^-n` within half a wrap, where `s` is positive, and of
     1 where it is not: `s = cos(2 pi fc tau)` and `n = N - 1/2` where the phase refines the delay, `s = sinc(W B tau)`
     and `n = N - 1` where it does not, with the share W of the band that N looks of speckle fill. For many looks that is
-    1.96 times the Cramér-Rao bound; a guess within a wrap has 0.24.
+    1.96 times the Cramér-Rao bound; a guess within a wrap has 0.24. It is never 0: rounding leaves something.
 
     Parameters
     ----------
@@ -74,36 +84,55 @@ def _cumulated(density: Real, at: Real) -> Real:
     return np.pad(np.cumsum(steps, axis=1), ((0, 0), (1, 0)))
 
 
-def read_by_looks(coherence: Real, looks: Looks, table: Callable[[float], tuple[Real, Real]]) -> Real:
-    """A table over the angle whose sine is the coherence, for one number of looks or each distinct one at its times."""
+def read_by_looks(coherence: Real, looks: Looks, tables: Callable[[float], tuple[Table, Table]]) -> Real:
+    """Tables over the angle whose sine is the coherence, for one number of looks or each distinct one at its times.
+
+    The first has even steps, the second is finer in the last of these.
+    """
+    angle = np.arcsin(coherence)
     distinct, which = np.unique(looks, return_inverse=True)
     if len(distinct) == 1:
-        read: Real = np.interp(np.arcsin(coherence), *table(float(distinct[0])))
-        return read
+        return _read(angle, *tables(float(distinct[0])))
     read = np.empty(coherence.shape)
     for number, n in enumerate(distinct):
         at = which == number
-        read[..., at] = np.interp(np.arcsin(coherence[..., at]), *table(float(n)))
+        read[..., at] = _read(angle[..., at], *tables(float(n)))
+    return read
+
+
+def _read(angle: Real, even: Table, last: Table) -> Real:
+    read = read_even(angle, *even)
+    near = angle > last[0][0]
+    if near.any():
+        read[near] = np.interp(angle[near], *last)
     return read
 
 
 @lru_cache(maxsize=256)
-def _widths(looks: float, relative_bandwidth: float) -> tuple[Real, Real]:
+def _widths(looks: float, relative_bandwidth: float) -> tuple[Table, Table]:
     """Half-widths of 95 % [wraps] over the angle; at a bandwidth of zero those of the carrier."""
-    angles = np.linspace(0, np.pi / 2, NODES)
+    even = np.linspace(0, np.pi / 2, NODES)
+    last = np.pi / 2 - np.geomspace(even[1], ROUNDING, LAST_NODES)
     if looks <= 1:
-        return angles, np.full(NODES, GUESS)
-    delay = np.concatenate([[0.0], np.geomspace(1e-6, 0.5, 600)])
+        return (even, np.full(NODES, GUESS)), (last, np.full(LAST_NODES, GUESS))
+    angles = np.concatenate([even[:-1], last])
+    delay = np.concatenate([[0.0], np.geomspace(1e-11, 0.5, 1100)])
     refined = relative_bandwidth == 0
     # The power of N looks of speckle spreads over less than the band: the mean of 1 / W^2 of the share W of its rms
     # width, which is N / (N + 1) in the mean of W^2 with the variance 0.8 / (N + 1), to second order.
     narrowing = np.sqrt((1 + 1 / looks) * (1 + 0.8 / (looks + 1)))
-    shape = np.cos(2 * np.pi * delay) if refined else np.sinc(relative_bandwidth * delay / narrowing)
-    fading = (np.sin(angles[:-1, None]) * np.maximum(shape, 0.0)) ** 2
+    # 1 - s^2, without the difference where s is near 1.
+    if refined:
+        short = np.where(delay < 0.25, np.sin(2 * np.pi * delay), 1.0) ** 2
+    else:
+        turn = np.pi * relative_bandwidth * delay / narrowing
+        sinc = np.maximum(np.sinc(turn / np.pi), 0.0)
+        short = np.where(turn < 1e-2, turn**2 / 3 * (1 - 2 * turn**2 / 15), (1 - sinc) * (1 + sinc))
     power = looks - (0.5 if refined else 1.0)
-    likelihood = np.exp(power * (np.log1p(-fading[:, :1]) - np.log1p(-fading)))
+    likelihood = np.exp(-power * np.log1p(np.tan(angles[:, None]) ** 2 * short))
     held = _cumulated(likelihood, delay)
-    return angles, np.array([*(np.interp(0.95 * line[-1], line, delay) for line in held), 0.0])
+    widths = np.array([np.interp(0.95 * line[-1], line, delay) for line in held])
+    return (even, np.append(widths[: NODES - 1], widths[-1])), (last, widths[NODES - 1 :])
 
 
 def beyond_edge(coherence: Real, phase: Real, looks: Looks) -> Real:
@@ -126,7 +155,8 @@ def beyond_edge(coherence: Real, phase: Real, looks: Looks) -> Real:
     beyond = np.empty(np.shape(coherence))
     for number, one in enumerate(distinct):
         at = slice(None) if len(distinct) == 1 else which == number
-        beyond[..., at] = np.exp(np.interp(place[..., at], *_log_beyond(float(one)), right=-np.inf)) if one > 1 else 0.5
+        table = _log_beyond(float(one)) if one > 1 else None
+        beyond[..., at] = 0.5 if table is None else np.exp(read_even(place[..., at], *table, beyond=-np.inf))
     return beyond
 
 

@@ -36,6 +36,11 @@ class SplitSpectrum:
         `b` [Hz], at most `B / 2`; `B / 3` where None.
     refine
         Whether the residual phase refines the delay.
+
+    Raises
+    ------
+    ValueError
+        For a width that is not above 0; by `estimate`, for one beyond `B / 2`.
     """
 
     window: WindowPolicy

@@ -5,7 +5,7 @@ import numpy as np
 from estimators import bounds
 from estimators.lag_product import power, scale_of
 from estimators.peak import Peak
-from estimators.posterior import Looks, phase_std
+from estimators.posterior import ROUNDING, Looks, phase_std
 from estimators.windows import Window
 from sim import EchoPair
 from sim.band import Real
@@ -57,7 +57,7 @@ def small_window_std(pair: EchoPair, peak: Peak, small: Window, large: Window, c
     relative = np.divide(here, mean, out=np.zeros(pair.shape), where=mean > 0)
     # The mean of 1 / (1 - g^2) of N looks is (N - 1) / (N - 2) times what it estimates.
     freedom = np.maximum(large.looks(pair), 3.0)
-    noise = np.maximum((1 - coherence) * (1 + coherence), 1e-300) * (freedom - 1) / (freedom - 2)
+    noise = np.maximum((1 - coherence) * (1 + coherence), ROUNDING**2) * (freedom - 1) / (freedom - 2)
     concentration = 2 * coherence / noise * relative * small.looks(pair)
     std: Real = phase_std(concentration) / (2 * np.pi * pair.centre_frequency)
     return std

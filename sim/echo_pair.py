@@ -88,7 +88,7 @@ class EchoPair:
     Raises
     ------
     ValueError
-        For a value that cannot be, for shapes that differ and for samples that are not finite.
+        For a value that cannot be, for shapes that differ and for samples that are not finite; `with_gaps` takes those.
     """
 
     primary: NDArray[Any]
@@ -142,6 +142,42 @@ class EchoPair:
                     f"missing has the shape {missing.shape} and type {missing.dtype}; it must be {self.shape} and bool"
                 )
             object.__setattr__(self, "missing", missing)
+
+    @classmethod
+    def with_gaps(
+        cls,
+        primary: NDArray[Any],
+        secondary: NDArray[Any],
+        sample_rate: float,
+        centre_frequency: float,
+        bandwidth: float,
+        **known: Any,
+    ) -> "EchoPair":
+        """The pair of series that are not finite everywhere: such samples of either are missing, and zero in both.
+
+        Parameters
+        ----------
+        primary, secondary
+            Complex arrays of one shape, axes (along_track, time), or vectors.
+        sample_rate, centre_frequency, bandwidth
+            [Hz]
+        known
+            What else a pair is made of, by name.
+
+        Raises
+        ------
+        ValueError
+            As of a pair.
+        """
+        first, second = (np.atleast_2d(np.asarray(series)) for series in (primary, secondary))
+        band = sample_rate, centre_frequency, bandwidth
+        if first.shape != second.shape:
+            return cls(first, second, *band, **known)
+        bad: NDArray[np.bool_] = ~(np.isfinite(first) & np.isfinite(second))
+        if bad.any():
+            first, second = (np.where(bad, np.zeros((), series.dtype), series) for series in (first, second))
+            known["missing"] = bad | known["missing"] if known.get("missing") is not None else bad
+        return cls(first, second, *band, **known)
 
     def _checked_ratio(self, likelihood_ratio: Real) -> Real:
         ratio = np.asarray(likelihood_ratio, dtype=float)

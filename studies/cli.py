@@ -6,10 +6,12 @@ import warnings
 
 import typer
 
+from studies.commands.check_estimator import check_estimator
 from studies.commands.estimate import estimate
 from studies.commands.look import check, list_studies
 from studies.commands.predict import predict
 from studies.commands.runs import merge, replay, report_again, run, status
+from studies.commands.tune import tune
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -28,7 +30,9 @@ for name, command in (
     ("replay", replay),
     ("merge", merge),
     ("predict", predict),
+    ("tune", tune),
     ("estimate", estimate),
+    ("check-estimator", check_estimator),
 ):
     app.command(name)(command)
 

@@ -2,18 +2,18 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Annotated, Any, Literal, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from sim.band import Real
 from studies import figures
 from studies.named import called, imported
-from studies.section import Section, suggestion
+from studies.section import Name, Section, suggestion
 
 Traces = Mapping[str, Real]
 """Arrays of one example, by name, for figures."""
@@ -96,7 +96,8 @@ class FigureSection(Section):
     low, high
         Columns with the ends of an interval around y.
     error
-        Column with the standard error of y; the bars are 1.96 times as long.
+        Column with the standard error of y; the bars are 1.96 times as long. Where none of the three is given, those
+        that the table has of y.
     line
         Column with a prediction or bound of y, drawn as a line for each estimator.
     level
@@ -111,7 +112,7 @@ class FigureSection(Section):
         Words.
     """
 
-    name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]*$")]
+    name: Name
     draw: str | None = None
     x: str = ""
     y: str = ""
@@ -183,11 +184,14 @@ class FigureSection(Section):
 
     def _interval(self, rows: pd.DataFrame) -> tuple[Real, Real]:
         y = rows[self.y].to_numpy(dtype=float)
-        if self.error:
-            half = 1.96 * rows[self.error].to_numpy(dtype=float)
+        low, high, error = self.low, self.high, self.error
+        if (low, high, error) == (None, None, None):
+            low, high, error = (n if n in rows else None for n in (f"{self.y}_low", f"{self.y}_high", f"{self.y}_se"))
+        if error and not (low and high):
+            half = 1.96 * rows[error].to_numpy(dtype=float)
             return y - half, y + half
-        low, high = (rows[column].to_numpy(dtype=float) if column else y for column in (self.low, self.high))
-        return low, high
+        lowest, highest = (rows[column].to_numpy(dtype=float) if column else y for column in (low, high))
+        return lowest, highest
 
     def _finish(self, panel: Axes, shown: Mapping[str | None, Any]) -> None:
         if self.level is not None:

@@ -81,7 +81,7 @@ def estimate_file(
     path
         What `sim.open_pair` reads.
     estimator
-        A class of `estimators`, or `module:object`, that is made with a window and options.
+        A class of `estimators`, the entry point of a package or `module:object`; made with a window and options.
     window
         `ROWSxSAMPLES`.
     out
@@ -105,7 +105,7 @@ def estimate_file(
     ImportError
         Where the extra `data` is not installed.
     """
-    size = _window(window)
+    size = fixed_window(window)
     section = EstimatorSection(name="estimate", method=estimator, options=options)
     made = Method(section, size).build(np.random.default_rng(0))
     if out.suffix != ".nc":
@@ -133,7 +133,8 @@ def estimate_file(
     return f"{rows} x {samples} pixels, {_share(valid / pixels)} valid, {_share(bad / pixels)} of samples NaN"
 
 
-def _window(text: str) -> FixedWindow:
+def fixed_window(text: str) -> FixedWindow:
+    """The window that is written `ROWSxSAMPLES`; ValueError for another text."""
     found = re.fullmatch(r"(\d{1,9})x(\d{1,9})", text)
     if found is None:
         raise ValueError(f"window is {text!r}; it must be ROWSxSAMPLES, such as 9x9")

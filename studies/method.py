@@ -4,25 +4,19 @@ import hashlib
 import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field
 
-import estimators
 from estimators import Estimator, FixedWindow
 from estimators.windows import WindowPolicy
-from studies.named import imported, words_of
+from studies.estimator_names import estimator_class, source_of
+from studies.named import words_of
 from studies.options import MADE_OF, Option, Options, PartSection, methods_in
 from studies.section import Section, plain, suggestion
 from studies.window_section import PolicySection, WindowSection
 from studies.world import World
-
-SHIPPED = tuple(
-    name for name in estimators.__all__ if hasattr(getattr(estimators, name), "estimate") and name != "Estimator"
-)
-"""Names of the estimator classes of this package."""
 
 
 class EstimatorSection(Section):
@@ -33,8 +27,9 @@ class EstimatorSection(Section):
     name
         What the tables call it.
     method
-        A class of `estimators`, or `module:object` of one's own: anything that is called with a window and the options
-        and gives an estimator. If it takes `rng`, it gets a random generator of its own.
+        A class of `estimators`, the entry point of an installed package, or `module:object` of one's own: anything that
+        is called with a window and the options and gives an estimator. If it takes `rng`, it gets a random generator of
+        its own.
     windows
         Each [rows, samples], "record" for all of a patch's record, or a policy (`PolicySection`); it is tried with
         every one of them.
@@ -45,7 +40,10 @@ class EstimatorSection(Section):
         In how many blocks of a design point it is tried, from the first on; in all by default. For what takes long.
     """
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9 ._+-]*$")]
+    name: Annotated[
+        str,
+        Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9 ._+-]*$", description="letters, digits, spaces and any of . _ + -"),
+    ]
     method: str
     windows: Annotated[tuple[WindowSection, ...], Field(min_length=1)] = ("record",)
     options: Mapping[str, Option] = {}
@@ -75,7 +73,7 @@ class Method:
 
 
 def _made(method: str, window: WindowPolicy, options: Options, rng: np.random.Generator) -> Estimator:
-    make = _found(method)
+    make = estimator_class(method)
     takes = _parameters(make)
     if takes is not None:
         unknown = [option for option in options if option not in takes]
@@ -123,27 +121,9 @@ def _policy(window: WindowSection, world: World) -> WindowPolicy:
     return FixedWindow(*(world.record() if window == "record" else window))
 
 
-def _found(name: str) -> Any:
-    if ":" in name:
-        return imported(name, "method")
-    if name not in SHIPPED:
-        raise ValueError(f"method is {name!r}; it must be module:object, or {suggestion(name, SHIPPED)}")
-    return getattr(estimators, name)
-
-
-def source_of(section: EstimatorSection) -> str:
-    """Digests of the files that objects of one's own come from; empty for what is shipped, and where there is none."""
-    return " ".join(filter(None, map(_source, (section.method, *methods_in(section.options)))))
-
-
-def _source(name: str) -> str:
-    if ":" not in name:
-        return ""
-    try:
-        file = inspect.getsourcefile(inspect.unwrap(imported(name, "method")))
-        return hashlib.sha256(Path(file).read_bytes()).hexdigest()[:16] if file else ""
-    except (TypeError, OSError):
-        return ""
+def sources_of(section: EstimatorSection) -> str:
+    """Where what is not shipped comes from, of the estimator and of those that it is made of (`source_of`)."""
+    return " ".join(filter(None, map(source_of, (section.method, *methods_in(section.options)))))
 
 
 def _parameters(make: Any) -> list[str] | None:

@@ -15,6 +15,7 @@ from studies.drawing import Examples
 from studies.measurement import Measurement
 from studies.named import called, imported
 from studies.page import page
+from studies.plain_answer import plain_answer
 from studies.stopping import Standing, measured_blocks
 from studies.study import Study
 from studies.table import row, with_depths
@@ -51,7 +52,7 @@ class Result:
     def warnings(self) -> list[str]:
         """What a reader must know of the table: rows that rest on few weights, and failures."""
         said: list[str] = []
-        if "trials" not in self.table:
+        if "few_dominate" not in self.table:
             return said
         few = int(self.table.few_dominate.sum())
         if self.missing[0]:
@@ -70,6 +71,18 @@ class Result:
 
 def result(study: Study, store: Store) -> Result:
     """Statistics of all that a store holds of a study; a block in memory at a time, merged in block order.
+
+    Parameters
+    ----------
+    study
+        Which points, estimators and blocks count.
+    store
+        Its block files; of a study without trials, which is computed here, it is not read.
+
+    Returns
+    -------
+    Result
+        Tables and examples.
 
     Raises
     ------
@@ -145,7 +158,19 @@ class _Sums:
 
 
 def write(study: Study, found: Result, folder: Path) -> list[Path]:
-    """Write the tables, the figures and the page of a study; returns their paths.
+    """Write the tables, the figures and the page of a study.
+
+    Parameters
+    ----------
+    study, found
+        The study, and what came of it.
+    folder
+        Where to; that of the run, which has the manifest that the page quotes.
+
+    Returns
+    -------
+    list of Path
+        All that was written.
 
     Raises
     ------
@@ -175,9 +200,9 @@ def write(study: Study, found: Result, folder: Path) -> list[Path]:
 
 
 def answer(study: Study, found: Result) -> str:
-    """What the table says to the question, in a sentence; empty where the study has no words for it."""
+    """What the table says to the question, in a sentence; where the study has no words for it, plain ranges."""
     if study.answer is None:
-        return ""
+        return plain_answer(found.table)
     return called(f"answer {study.answer}", imported(study.answer, "answer"), str, found.table)
 
 

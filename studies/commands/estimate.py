@@ -14,7 +14,9 @@ from studies.progress import progress
 
 def estimate(
     file: Annotated[Path, typer.Argument(help="A pair in netCDF, HDF5 or npz (docs/measured-data.md).")],
-    estimator: Annotated[str, typer.Option(help="A class of estimators, or module:object.")] = "CrossCorrelation",
+    estimator: Annotated[
+        str, typer.Option(help="A class of estimators, an entry point, or module:object.")
+    ] = "CrossCorrelation",
     window: Annotated[str, typer.Option(help="What to average over, as ROWSxSAMPLES.")] = "9x9",
     search: Annotated[float | None, typer.Option(help="Largest delay to look for [s].")] = None,
     option: Annotated[

@@ -39,7 +39,7 @@ def run(
 ) -> None:
     """Run studies, or go on with an earlier run: OUT/NAME/ gets the blocks, the tables, the figures and the report."""
     with one_line_errors():
-        values = dict(_key_and_value(text) for text in setting or [])
+        values = dict(key_and_value(text) for text in setting or [])
         if trials is not None:
             values["trials.count"] = trials
         studies = [_configured(name, quick, values, estimator or []) for name in names]
@@ -105,7 +105,8 @@ def _configured(name: str, quick: bool, values: dict[str, Any], estimators: list
     return study.with_values(values).of_estimators(estimators)
 
 
-def _key_and_value(text: str) -> tuple[str, Any]:
+def key_and_value(text: str) -> tuple[str, Any]:
+    """Key and value, or values, of an option --set."""
     key, separator, value = text.partition("=")
     if not separator:
         raise ValueError(f"--set is {text!r}; it must be KEY=VALUE")

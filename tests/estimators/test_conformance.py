@@ -1,6 +1,7 @@
 """The shipped estimators pass the suite for anybody's; estimators broken on purpose do not."""
 
 import re
+import sys
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -38,7 +39,7 @@ SHIPPED = [
 
 @pytest.mark.parametrize("estimator", SHIPPED, ids=lambda e: type(e).__name__)
 def test_shipped_estimators_have_no_findings(estimator):
-    assert findings(estimator) == []
+    assert findings(estimator, window=getattr(estimator, "window", None)) == []
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,45 @@ def refuses_single(pair):
     return pair
 
 
+def refuses_odd(pair):
+    if pair.shape[1] % 2:
+        sys.exit("an even number of samples, please")
+    return pair
+
+
+def nan_of_equals(estimate, pair):
+    return np.where(estimate.coherence < 1 - 1e-9, estimate.wrap_error_probability, np.nan)
+
+
+def as_if_contiguous(pair):
+    """What code does that reads memory without asking how it is laid out."""
+    series = {name: getattr(pair, name) for name in ("primary", "secondary")}
+    return replace(pair, **{name: s.ravel(order="K").reshape(s.shape) for name, s in series.items()})
+
+
+class Remembers:
+    """Adds to each delay what it was asked before."""
+
+    def __init__(self):
+        self.before = 0.0
+
+    def estimate(self, pair):
+        estimate = Interferogram(WINDOW).estimate(pair)
+        self.before, added = float(np.abs(pair.primary).sum()), self.before
+        return replace(estimate, delay=estimate.delay + 1e-9 * added)
+
+
+class Guesses:
+    """Adds noise of a generator of its own, as an estimator with an argument `rng` may."""
+
+    def __init__(self, spread):
+        self.rng, self.spread = np.random.default_rng(1), spread
+
+    def estimate(self, pair):
+        estimate = Interferogram(WINDOW).estimate(pair)
+        return replace(estimate, delay=estimate.delay * (1 + self.spread * self.rng.standard_normal()))
+
+
 def writes(pair):
     pair.primary[:] = pair.primary.conj().conj() + 1e-3
     return pair
@@ -72,7 +112,12 @@ def writes(pair):
     [
         (object(), "has no method estimate"),
         (changed(delay=lambda e, p: e.delay[0]), r"delay has the shape \(256,\)"),
-        (changed(valid=lambda e, p: e.valid.astype(float)), "valid is of type float64"),
+        (changed(quality=lambda e, p: 1.0), "quality is of type float; it must be an array"),
+        (changed(delay=lambda e, p: e.delay + 0j), "delay is of type complex128; it must be float"),
+        (changed(coherence=lambda e, p: np.ones(p.shape, dtype=int)), "coherence is of type int64; it must be float"),
+        (changed(valid=lambda e, p: e.valid.astype(float)), "valid is of type float64; it must be bool"),
+        (Broken(after=lambda e, p: (e.delay, e.valid)), "it gives a tuple without delay, phase, .* must give a Delay"),
+        (Broken(after=lambda e, p: None), "it gives a NoneType without"),
         (changed(valid=lambda e, p: e.valid & False), "no sample of speckle"),
         (changed(delay=lambda e, p: np.where(e.phase > 1.26, e.delay, np.nan)), "delay is not finite but valid at"),
         (changed(delay_std=lambda e, p: e.delay_std + np.nan), "delay_std is not finite but valid at 1792 of 2304"),
@@ -81,7 +126,31 @@ def writes(pair):
         (changed(quality=lambda e, p: 2 * e.quality + 1), "quality is not between 0 and 1"),
         (changed(delay_std=lambda e, p: -e.delay_std), "delay_std is below 0"),
         (changed(phase=lambda e, p: e.phase + 7), "phase is not within -pi and pi"),
+        (
+            changed(wrap_error_probability=nan_of_equals),
+            r"at a coherence of 1, wrap_error_probability is not finite but valid at 1792 of 2304",
+        ),
+        (
+            changed(quality=lambda e, p: e.quality + (np.median(e.coherence) < 0.5)),
+            "at a coherence of 0, quality is not between 0 and 1",
+        ),
+        (Broken(before=refuses_odd), "another shape: it raised SystemExit: an even number of samples, please"),
+        (changed(delay=lambda e, p: e.delay / (p.shape[0] == 9)), "of 10 x 257 samples, delay is not finite but valid"),
+        (
+            changed(delay=lambda e, p: e.delay / p.circular),
+            "of a record that is not periodic, delay is not finite but valid",
+        ),
+        (changed(valid=lambda e, p: np.ones(p.shape, dtype=bool)), "valid where the primary is silent"),
+        (changed(valid=lambda e, p: np.ones(p.shape, dtype=bool)), "valid where the secondary is silent"),
         (changed(valid=lambda e, p: np.ones(p.shape, dtype=bool)), "valid where both receivers are silent"),
+        (
+            Broken(before=lambda p: replace(p, missing=None)),
+            r"valid where samples are missing \(pair.missing\) at 43 of 2304 samples, the first at \(3, 85\)",
+        ),
+        (
+            changed(delay=lambda e, p: e.delay / (p.missing is None), valid=lambda e, p: p.primary != 0),
+            "where samples are missing, delay is not finite but valid",
+        ),
         (changed(delay=lambda e, p: np.abs(e.delay)), "receivers swapped do not negate the delay"),
         (changed(delay=lambda e, p: e.delay + 1e-8), "receivers swapped do not negate the delay"),
         (changed(valid=lambda e, p: np.abs(p.primary) > 0.1), "receivers swapped change what is valid"),
@@ -97,13 +166,33 @@ def writes(pair):
         (changed(delay=lambda e, p: 0 * e.delay), "moves the median estimate by 0 wraps"),
         (changed(delay=lambda e, p: e.delay * (1 + (p.primary.dtype == np.complex64))), "single precision gives anoth"),
         (Broken(before=refuses_single), "single precision: it raised TypeError: double precision, please"),
+        (Broken(before=as_if_contiguous), "another layout of the arrays in memory changes the delay"),
         (Broken(before=writes), "it changes the primary that it is given"),
+        (
+            changed(delay=lambda e, p: e.delay + 1e-9 * np.random.default_rng().standard_normal(p.shape)),
+            "the same pair gives another estimate when it is asked again",
+        ),
+        (Remembers(), "what it gives depends on the pairs that it had before"),
+        (changed(delay=lambda e, p: e.delay - e.delay.mean() / 2), "a row more than 3 rows away changes the delay"),
+        (
+            changed(valid=lambda e, p: e.valid & (np.arange(p.shape[1]) != np.abs(p.primary[0]).argmax())),
+            "a row more than 3 rows away changes what is valid",
+        ),
         (Interferogram(FixedWindow(1, 300)), "an ordinary pair: it raised ValueError: the window has 300 samples"),
     ],
 )
 def test_a_broken_one_is_found(estimator, said):
-    found = findings(estimator)
+    found = findings(estimator, window=WINDOW)
     assert any(re.search(said, finding) for finding in found), found
+
+
+def test_one_that_has_not_the_form_is_tried_no_further():
+    assert len(findings(changed(delay=lambda e, p: e.delay[0], valid=lambda e, p: p.primary))) == 2
+    assert len(findings(Interferogram(FixedWindow(1, 300)))) == 1
+
+
+def test_a_generator_of_its_own_is_no_memory():
+    assert findings(Guesses(1e-3)) == []
 
 
 def test_a_window_may_need_more_speckle():

@@ -1,5 +1,7 @@
 """The spread and the wrap errors that an estimate predicts for itself, against their definitions and against rates."""
 
+from dataclasses import replace
+
 import mpmath
 import numpy as np
 import pytest
@@ -33,6 +35,30 @@ def test_many_looks_have_the_bounds():
     refined, group = (delay_std(gamma, 5000, 0.3, refine=refine) / FC for refine in (True, False))
     np.testing.assert_allclose(refined, bounds.phase_crlb(5000, gamma) / (2 * np.pi * FC), rtol=2e-3)
     np.testing.assert_allclose(group, bounds.group_delay_crlb(5000, gamma, B), rtol=2e-3)
+
+
+@pytest.mark.parametrize("relative_bandwidth", [1e-3, 0.01, 0.3, 1.9])
+@pytest.mark.parametrize("noise", [1e-2, 1e-4, 1e-6])
+def test_narrow_bands_have_the_bound_near_full_coherence(relative_bandwidth, noise):
+    # 1 - gamma^2 = noise^2, so that group delays of a narrow band fill the wrap until close to full coherence.
+    gamma, band = np.array([np.sqrt(1 - noise**2)]), relative_bandwidth * FC
+    bound = bounds.group_delay_crlb(33, gamma, band)[0] * FC
+    found = delay_std(gamma, 33, relative_bandwidth, refine=False)[0]
+    # Student's t of 64 degrees of freedom, 2 %, speckle's narrower spectrum, 3 %, and the steps of the table.
+    assert found == pytest.approx(min(bound, GUESS / NORMAL_95), rel=0.08 if not 0.1 < bound < 0.4 else 0.3)
+
+
+def test_full_coherence_claims_no_more_than_rounding_leaves():
+    assert 0 < delay_std(np.ones(1), 33.0, 0.3, refine=True)[0] < 1e-8
+
+
+def test_intervals_hold_at_60_db():
+    pair, delay = patch(33, 1e6 / (1e6 + 1), 1000)
+    pair = replace(pair, circular=False)
+    estimate = CrossCorrelation(FixedWindow(1, 27)).estimate(pair)
+    inside = np.abs(estimate.delay - delay[:, None])[:, 16] <= NORMAL_95 * estimate.delay_std[:, 16]
+    # Five standard errors of a share of .95.
+    assert inside.mean() > 0.95 - 5 * np.sqrt(0.95 * 0.05 / 1000)
 
 
 @pytest.mark.parametrize("refine", [True, False])

@@ -47,6 +47,17 @@ def test_sonar(change, message):
         (lambda: HeightMap(np.full((2, 2), np.nan), (0, 0), (1, 1)), "nodes has 4 samples that are not finite, .*"),
         (lambda: HeightMap.read("missing.npz"), "missing.npz holds no height map .*"),
         (lambda: Scene((20.0, 50.0), speckle_shape=0.0), "speckle_shape is 0; it must be above 0"),
+        (lambda: Scene((20.0, 50.0), speckle_shape="x"), "speckle_shape is 'x'; it must be a number"),
+        (lambda: Scene((30.0,)), r"ground_range is \(30.0,\); it must be two numbers in m"),
+        (lambda: Scene(30.0), "ground_range is 30.0; it must be two numbers in m"),
+        (lambda: Box(30.0, 1.0, 1.0, (0, 1, 2)), r"along_track is \(0, 1, 2\); it must be two numbers in m"),
+        (lambda: Box(30.0, 1.0, 1.0, (0, "x")), r"along_track is \(0, 'x'\); it must be two numbers in m"),
+        (lambda: SedimentPatch((30.0,), "rock"), r"ground_range is \(30.0,\); it must be two numbers in m"),
+        (lambda: SedimentPatch((30.0, 40.0), "rock", 3), "along_track is 3; it must be two numbers in m"),
+        (
+            lambda: Scene((20.0, 50.0), sediment="sand", patches=(SedimentPatch((50.0, 60.0), "rock"),)),
+            "a patch from 50 to 60 m leaves the scene; it must lie between 20 and 50 m",
+        ),
         (
             lambda: Scene((20.0, 50.0), patches=(SedimentPatch((30.0, 40.0), "rock"),)),
             "a scene without sediment has patches; it must have a sediment around them",
@@ -92,3 +103,17 @@ def with_nan():
 def test_echo_pair(change, message):
     with pytest.raises(ValueError, match=f"^{message}$"):
         EchoPair(**{**GOOD_PAIR, **change})
+
+
+def test_samples_that_are_not_finite_are_gaps_where_asked():
+    series = np.ones((2, 8), np.complex64)
+    pair = EchoPair.with_gaps(with_nan().astype(np.complex64), series, 40e3, 100e3, 30e3)
+    expected = np.zeros((2, 8), dtype=bool)
+    expected[1, [3, 5]] = True
+    np.testing.assert_array_equal(pair.missing, expected)
+    for found in (pair.primary, pair.secondary):
+        np.testing.assert_array_equal(found, np.where(expected, 0, series))
+        assert found.dtype == np.complex64
+    assert EchoPair.with_gaps(series, series, 40e3, 100e3, 30e3).missing is None
+    with pytest.raises(ValueError, match="they must be equal"):
+        EchoPair.with_gaps(series, np.ones((2, 9), complex), 40e3, 100e3, 30e3)

@@ -55,6 +55,7 @@ def peak(products, energies, index):
             gradient = (np.conj(value) * slope).real
             curvature = np.abs(slope) ** 2 + (np.conj(value) * curve).real
             share = np.clip(share - (gradient / curvature if curvature < 0 else 0.0), -1, 1)
-    three = energies[index - 1 : index + 2]
-    energy = max(np.polyval(np.polyfit([-1, 0, 1], three, 2), share), three.min())
+    nine = energies[index - 4 : index + 5]
+    through = np.polynomial.Polynomial.fit(np.arange(-4, 5), nine, 8, domain=[-1, 1], window=[-1, 1])
+    energy = max(through(share), nine[3:6].min())
     return share, polynomial(share), energy, inside
