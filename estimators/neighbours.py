@@ -30,8 +30,10 @@ class CombinedNeighbours:
     wrap, which the weights leave a little of, the phase is right all the same.
 
     A pixel that no window makes accurate enough keeps the mean over the largest, with the spread that it has, and is
-    not valid. That errors within the wrap are independent but for what windows share is taken on trust; where the
-    seabed is not flat over the window, the mean is of what lies in it.
+    not valid. That errors within the wrap are independent but for what windows share is taken on trust. Those of single
+    pixels share a little more: at 15 dB, weighted errors 2 to 6 samples apart have correlations of .08 to .01 where
+    noise in the band explains .05 to 0, so that the spread is 1.01 times the one claimed for 33 samples, 1.03 for 65
+    and 1.05 for 129. Where the seabed is not flat over the window, the mean is of what lies in it.
 
     Parameters
     ----------
