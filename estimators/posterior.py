@@ -14,6 +14,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.special import stdtr
 
+from estimators.even_table import read_even
 from sim.band import Real
 
 Looks = float | Real
@@ -84,12 +85,12 @@ def read_by_looks(coherence: Real, looks: Looks, table: Callable[[float], tuple[
     """A table over the angle whose sine is the coherence, for one number of looks or each distinct one at its times."""
     distinct, which = np.unique(looks, return_inverse=True)
     if len(distinct) == 1:
-        read: Real = np.interp(np.arcsin(coherence), *table(float(distinct[0])))
+        read: Real = read_even(np.arcsin(coherence), *table(float(distinct[0])))
         return read
     read = np.empty(coherence.shape)
     for number, n in enumerate(distinct):
         at = which == number
-        read[..., at] = np.interp(np.arcsin(coherence[..., at]), *table(float(n)))
+        read[..., at] = read_even(np.arcsin(coherence[..., at]), *table(float(n)))
     return read
 
 
@@ -140,7 +141,8 @@ def beyond_edge(coherence: Real, phase: Real, looks: Looks) -> Real:
     beyond = np.empty(np.shape(coherence))
     for number, one in enumerate(distinct):
         at = slice(None) if len(distinct) == 1 else which == number
-        beyond[..., at] = np.exp(np.interp(place[..., at], *_log_beyond(float(one)), right=-np.inf)) if one > 1 else 0.5
+        table = _log_beyond(float(one)) if one > 1 else None
+        beyond[..., at] = 0.5 if table is None else np.exp(read_even(place[..., at], *table, beyond=-np.inf))
     return beyond
 
 

@@ -19,10 +19,16 @@ from sim import EchoPair, checks
 from sim.band import Complex, Real
 
 BLOCK_BYTES = 2**27
-"""Size that the lag products of one block of rows may take."""
+"""Size that one block of rows may take, with its lag products."""
+
+NEAR_BYTES = 2**24
+"""Size of a block that stays in the cache, if eight windows' rows do: fewer would be small beside those around them."""
 
 CACHE_BYTES = 2**23
 """Size that the lag products at the times searched together may take."""
+
+LEAST_PIXELS = 1024
+"""Pixels that are searched together even so, beside which the call of a compiled function counts little."""
 
 
 def search_range(pair: EchoPair, search: float | Height | None, resolutions: float) -> float:
@@ -120,7 +126,9 @@ def over_lags(
             return over_times(series, lambda stack, *part: find(stack, margin, *part), *rows)
         return find(varying_lag_stack(primary, secondary, window, *steps), margin, *rows)
 
-    bytes_per_sample = 40 * (2 * reach + 1) + 48 * factor
+    # Of a fixed window the lag products of a few windows' times are held at once.
+    held = window.samples / pair.shape[1] if isinstance(window, FixedWindow) else 1.0
+    bytes_per_sample = int(40 * (2 * reach + 1) * held) + 48 * factor
     return by_rows(pair, window, int(np.ceil(2 * reach / factor)), bytes_per_sample, peaks, *beside)
 
 
@@ -129,8 +137,11 @@ def over_times(series: LagSeries, find: Callable[..., Peak], *beside: Real) -> P
     if series.times == 1:
         return find(series.stack(), *beside)
     samples = series.window.samples
+    pixels = series.primary.values.shape[1] * samples
+    size = 24 * (2 * series.reach + 1) * pixels
     # Whole windows, so that moving sums group the same samples in any stack.
-    times = max(1, CACHE_BYTES // (24 * (2 * series.reach + 1) * series.primary.values.shape[1] * samples)) * samples
+    windows = max(1, CACHE_BYTES // size, min(-(-LEAST_PIXELS // pixels), BLOCK_BYTES // 2 // size))
+    times = windows * samples
     starts = range(0, series.times, times)
     found = [find(series.stack(at, at + times), *(array[:, at : at + times] for array in beside)) for at in starts]
     return Peak(*(np.concatenate(parts, axis=1) for parts in zip(*found, strict=True)))
@@ -173,12 +184,14 @@ def by_rows(
     scales = [scale_of(series) for series in (pair.primary, pair.secondary)]
     # A few more zeros make a length that is fast to transform.
     padding = 0 if pair.circular else scipy.fft.next_fast_len(samples + lag_samples + most_samples) - samples
+    size = bytes_per_sample * (samples + padding) * most_rows
     # Whole windows of rows, so that moving sums group the same rows whatever the block.
-    block = max(1, BLOCK_BYTES // (bytes_per_sample * (samples + padding) * most_rows)) * most_rows
+    block = max(1, NEAR_BYTES // size, min(8, BLOCK_BYTES // size)) * most_rows
+    before, after = (most_rows if most_rows > 1 else 0), most_rows - 1 - most_rows // 2
     found = []
     for start in range(0, rows, block):
         stop = min(start + block, rows)
-        first, last = max(start - most_rows, 0), min(stop + most_rows, rows)
+        first, last = max(start - before, 0), min(stop + after, rows)
         primary, secondary = (
             np.pad(series[first:last].astype(np.complex128) * scale, ((0, 0), (0, padding)))
             for series, scale in zip((pair.primary, pair.secondary), scales, strict=True)

@@ -144,15 +144,25 @@ class EchoPair:
             object.__setattr__(self, "missing", missing)
 
     @classmethod
-    def with_gaps(cls, primary: NDArray[Any], secondary: NDArray[Any], *band: Any, **known: Any) -> "EchoPair":
+    def with_gaps(
+        cls,
+        primary: NDArray[Any],
+        secondary: NDArray[Any],
+        sample_rate: float,
+        centre_frequency: float,
+        bandwidth: float,
+        **known: Any,
+    ) -> "EchoPair":
         """The pair of series that are not finite everywhere: such samples of either are missing, and zero in both.
 
         Parameters
         ----------
         primary, secondary
             Complex arrays of one shape, axes (along_track, time), or vectors.
-        band, known
-            What else a pair is made of.
+        sample_rate, centre_frequency, bandwidth
+            [Hz]
+        known
+            What else a pair is made of, by name.
 
         Raises
         ------
@@ -160,6 +170,7 @@ class EchoPair:
             As of a pair.
         """
         first, second = (np.atleast_2d(np.asarray(series)) for series in (primary, secondary))
+        band = sample_rate, centre_frequency, bandwidth
         if first.shape != second.shape:
             return cls(first, second, *band, **known)
         bad: NDArray[np.bool_] = ~(np.isfinite(first) & np.isfinite(second))

@@ -53,7 +53,7 @@ class _Solid:
         checks.positive("start", self.start, "m")
         checks.positive("width", self.width, "m")
         checks.positive("height", self.height, "m")
-        first, last = self.along_track
+        first, last = checks.ends("along_track", self.along_track, "m")
         if not first < last:
             raise ValueError(f"along_track is ({first:g}, {last:g}) m; it must begin before it ends")
 

@@ -96,7 +96,8 @@ class FigureSection(Section):
     low, high
         Columns with the ends of an interval around y.
     error
-        Column with the standard error of y; the bars are 1.96 times as long.
+        Column with the standard error of y; the bars are 1.96 times as long. Where none of the three is given, those
+        that the table has of y.
     line
         Column with a prediction or bound of y, drawn as a line for each estimator.
     level
@@ -183,11 +184,14 @@ class FigureSection(Section):
 
     def _interval(self, rows: pd.DataFrame) -> tuple[Real, Real]:
         y = rows[self.y].to_numpy(dtype=float)
-        if self.error:
-            half = 1.96 * rows[self.error].to_numpy(dtype=float)
+        low, high, error = self.low, self.high, self.error
+        if (low, high, error) == (None, None, None):
+            low, high, error = (n if n in rows else None for n in (f"{self.y}_low", f"{self.y}_high", f"{self.y}_se"))
+        if error and not (low and high):
+            half = 1.96 * rows[error].to_numpy(dtype=float)
             return y - half, y + half
-        low, high = (rows[column].to_numpy(dtype=float) if column else y for column in (self.low, self.high))
-        return low, high
+        lowest, highest = (rows[column].to_numpy(dtype=float) if column else y for column in (low, high))
+        return lowest, highest
 
     def _finish(self, panel: Axes, shown: Mapping[str | None, Any]) -> None:
         if self.level is not None:

@@ -15,6 +15,7 @@ from studies.design import Point, Task, blocks, computed, methods, points, task
 from studies.experiment import Experiment
 from studies.lock import only_writer
 from studies.measure import measure
+from studies.memory import check_memory
 from studies.method import Method
 from studies.named import imported
 from studies.parallel import BACKENDS, one_thread, parallel
@@ -125,6 +126,7 @@ def check(study: Study) -> list[Point]:
     found = list(points(study))
     for point in found:
         made = methods(study, point)
+        check_memory(study, point)
         if point.number == 0:
             for method in made:
                 method.build(seeds.generator(0, point.echoes, 0, method.stream()))

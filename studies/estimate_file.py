@@ -79,7 +79,7 @@ def estimate_file(
     path
         What `sim.open_pair` reads.
     estimator
-        A class of `estimators`, or `module:object`, that is made with a window and options.
+        A class of `estimators`, the entry point of a package or `module:object`; made with a window and options.
     window
         `ROWSxSAMPLES`.
     out

@@ -1,70 +1,22 @@
 """The report of a study: one page that stands alone."""
 
 import base64
-import html
-import io
+import hashlib
+import json
 from collections.abc import Mapping, Sequence
+from importlib import resources
 from pathlib import Path
 from string import Template
 from typing import Any
 
 import pandas as pd
-from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from studies import manifest
+from studies.html_table import all_of, listed, sortable
+from studies.inline_svg import inline_svg
+from studies.markup import text
 from studies.study import Study
-
-PAGE = Template("""<!doctype html>
-<html lang="en">
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>$name</title>
-<style>
-body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff; }
-body { max-width: 76rem; margin: 0 auto; padding: 1rem; }
-img { max-width: 100%; height: auto; }
-figure { margin: 2rem 0; }
-figcaption { color: #444; }
-.wide { overflow-x: auto; }
-table { border-collapse: collapse; font-size: 0.85rem; font-variant-numeric: tabular-nums; }
-th, td { padding: 0.2rem 0.6rem; text-align: right; border-bottom: 1px solid #ddd; white-space: nowrap; }
-th { position: sticky; top: 0; background: #f4f4f4; }
-th button { font: inherit; font-weight: 600; border: 0; background: none; padding: 0; cursor: pointer; }
-.warning { border-left: 4px solid #d55e00; padding-left: 0.8rem; }
-pre { overflow-x: auto; background: #f4f4f4; padding: 0.8rem; }
-</style>
-<h1>$name</h1>
-<p>$question</p>
-$warnings
-<p><strong>$answer</strong></p>
-<h2>In short</h2>
-<div class="wide">$short</div>
-$figures
-<details><summary><h2 style="display: inline">All numbers</h2></summary>
-<div class="wide">$table</div></details>
-<h2>Where it comes from</h2>
-<div class="wide"><table>$provenance</table></div>
-<h2>How to repeat it</h2>
-<p>In the folder of this page, with the command of the environment that twinecho is installed in:</p>
-<pre>$command</pre>
-<details><summary>The study, as it was run</summary><pre>$design</pre></details>
-<script>
-for (const table of document.querySelectorAll("table.sortable")) {
-  table.querySelectorAll("th button").forEach((button, column) => button.addEventListener("click", () => {
-    const rows = [...table.tBodies[0].rows], down = button.dataset.down !== "yes";
-    const value = row => row.cells[column].dataset.value ?? row.cells[column].textContent;
-    rows.sort((a, b) => {
-      const x = value(a), y = value(b), difference = x - y;
-      return (Number.isNaN(difference) ? String(x).localeCompare(String(y)) : difference) * (down ? 1 : -1);
-    });
-    button.dataset.down = down ? "yes" : "no";
-    table.tBodies[0].append(...rows);
-  }));
-}
-</script>
-</html>
-""")
 
 
 def page(
@@ -75,7 +27,10 @@ def page(
     figures: Mapping[str, Figure],
     folder: Path,
 ) -> str:
-    """A page with question, answer, short table, figures, all numbers and how to get them again; no outside links.
+    """A page with question, answer, short table, figures, all numbers and how to get them again.
+
+    It is HTML and well-formed XML in one. It asks for nothing from outside, which its content security policy also
+    forbids, as it does any script but that which sorts the tables; all text of a study is escaped.
 
     Parameters
     ----------
@@ -93,53 +48,65 @@ def page(
         Of the run, with its manifest.
     """
     found = manifest.read(folder)
-    provenance = [("seed", found["seed"]), *(item for run in found["runs"] for item in run.items())]
-    return PAGE.substitute(
-        name=html.escape(study.name),
-        question=html.escape(study.question),
-        answer=html.escape(answer),
-        warnings="".join(f'<p class="warning">{html.escape(text)}</p>' for text in warnings),
-        short=_table(study.summary.of(table)),
-        figures="".join(_figure(name, figure) for name, figure in figures.items()),
-        table=_table(table),
-        provenance="".join(f"<tr><th>{_text(k)}<td>{_text(v)}" for k, v in provenance),
-        command=f"twinecho run manifest.json --seed {found['seed']} --out again",
-        design=html.escape(_design(found["study"])),
+    runs, script = found["runs"], _part("sort.js")
+    return Template(_part("page.html")).substitute(
+        name=text(study.name),
+        question=text(study.question),
+        answer=text(answer),
+        warnings="".join(f'<p class="warning">{text(said)}</p>' for said in [*warnings, *_doubts(runs)]),
+        short=sortable(study.summary.of(table)),
+        figures="\n".join(_figure(f"f{number}-", *item) for number, item in enumerate(figures.items())),
+        table=all_of(table),
+        provenance=listed([("seed", found["seed"]), *_own_estimators(found["fixed"]), *_by_key(runs)]),
+        code=text(_code(runs[-1])),
+        seed=text(found["seed"]),
+        design=text(json.dumps(found["study"], indent=2, ensure_ascii=False)),
+        style=_part("style.css"),
+        script=script,
+        script_hash=f"sha256-{base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()}",
     )
 
 
-def _figure(name: str, figure: Figure) -> str:
-    drawn = io.BytesIO()
-    with rc_context({"svg.hashsalt": "twinecho"}):  # the same figure, the same bytes
-        figure.savefig(drawn, format="svg", metadata={"Date": None})
-    data = base64.b64encode(drawn.getvalue()).decode()
-    caption = html.escape(name.replace("-", " "))
-    image = f'<img alt="{caption}" src="data:image/svg+xml;base64,{data}">'
-    return f"<figure>{image}<figcaption>{caption}</figcaption></figure>"
+def _part(name: str) -> str:
+    return resources.files("studies").joinpath("page_parts", name).read_text(encoding="utf-8")
 
 
-def _table(table: pd.DataFrame) -> str:
-    head = "".join(f'<th><button type="button">{_text(column)}</button>' for column in table.columns)
-    body = "".join("<tr>" + "".join(_cell(value) for value in row) for row in table.itertuples(index=False))
-    return f'<table class="sortable"><thead><tr>{head}<tbody>{body}</table>'
+def _figure(prefix: str, name: str, figure: Figure) -> str:
+    axes = [(axes.get_ylabel(), axes.get_xlabel()) for axes in figure.axes if axes.get_label() != "<colorbar>"]
+    ys, xs = (list(dict.fromkeys(label for label in labels if label)) for labels in zip(*axes, strict=True))
+    caption = name.replace("-", " ")
+    caption += f": {', '.join(ys)} against {', '.join(xs)}" if ys and xs else ""
+    box = f'<div class="wide" tabindex="0">{inline_svg(figure, prefix, caption)}</div>'
+    return f"<figure>{box}<figcaption>{text(caption)}</figcaption></figure>"
 
 
-def _cell(value: Any) -> str:
-    if isinstance(value, float):
-        return f'<td data-value="{value!r}">{value:.4g}'
-    return f"<td>{_text(value)}"
+def _by_key(runs: Sequence[Mapping[str, Any]]) -> list[list[Any]]:
+    """What each run was made with, a row for each thing and a column for each run."""
+    keys = dict.fromkeys(key for run in runs for key in run)
+    return [[key, *("not known" if run.get(key) is None else run[key] for run in runs)] for key in keys]
 
 
-def _text(value: Any) -> str:
-    return html.escape(str(value))
+def _own_estimators(fixed: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Estimators that are not of this package, each with its own package or the digest of its file."""
+    estimators = [value for key, value in fixed.items() if key.startswith("estimators.")]
+    return [(f"estimator {e['method']}", e["source"]) for e in estimators if e.get("source")]
 
 
-def _design(tree: Mapping[str, Any]) -> str:
-    lines = []
-    for key, value in tree.items():
-        lines += (
-            [f"{key}.{inner} = {v!r}" for inner, v in value.items()]
-            if isinstance(value, dict)
-            else [f"{key} = {value!r}"]
-        )
-    return "\n".join(lines)
+def _doubts(runs: Sequence[Mapping[str, Any]]) -> list[str]:
+    """What stands in the way of repeating a run."""
+    commits = [run.get("commit") for run in runs]
+    said = []
+    if any(commit is None for commit in commits):
+        said.append("it is not known from which commit all of the numbers come")
+    if any(str(commit).endswith("-dirty") for commit in commits):
+        said.append("some of the numbers come from code with changes that were not committed")
+    if len(set(commits)) > 1:
+        said.append(f"the numbers come from {len(set(commits))} states of the code")
+    return said
+
+
+def _code(run: Mapping[str, Any]) -> str:
+    commit = run.get("commit")
+    pinned = " ".join(f"{name}=={run[name]}" for name in manifest.PACKAGES if name in run)
+    checkout = [f"git checkout {str(commit).removesuffix('-dirty')}"] if commit else []
+    return "\n".join([*checkout, f"python -m pip install --editable . {pinned}"])

@@ -15,6 +15,7 @@ from studies.drawing import Examples
 from studies.measurement import Measurement
 from studies.named import called, imported
 from studies.page import page
+from studies.plain_answer import plain_answer
 from studies.stopping import Standing, measured_blocks
 from studies.study import Study
 from studies.table import row, with_depths
@@ -199,9 +200,9 @@ def write(study: Study, found: Result, folder: Path) -> list[Path]:
 
 
 def answer(study: Study, found: Result) -> str:
-    """What the table says to the question, in a sentence; empty where the study has no words for it."""
+    """What the table says to the question, in a sentence; where the study has no words for it, plain ranges."""
     if study.answer is None:
-        return ""
+        return plain_answer(found.table)
     return called(f"answer {study.answer}", imported(study.answer, "answer"), str, found.table)
 
 

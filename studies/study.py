@@ -91,7 +91,8 @@ class Study(Section):
     trials
         How many.
     answer
-        `module:function` that says the answer in a sentence, from the table.
+        `module:function` that says the answer in a sentence, from the table; from what to what the main results go
+        where there is none.
     summary, figures
         What is shown of the results.
     quick

@@ -3,6 +3,7 @@
 import contextlib
 import re
 import tomllib
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from typer.testing import CliRunner
 from estimators import FixedWindow, conformance
 from sim import SONARS
 from studies import engine, predict, report
+from studies.catalogue import scaling
 from studies.cli import app
 from studies.named import imported
 from studies.study import made
@@ -113,11 +115,15 @@ def test_commands_do_what_they_say(place, monkeypatch):
     """In the order of the pages, at a fraction of their size."""
     monkeypatch.chdir(place)
     monkeypatch.syspath_prepend(place)
+    all_sweeps = scaling.sweeps
+    monkeypatch.setattr(scaling, "sweeps", lambda *given: islice(all_sweeps(*given), 2))
     small = ["--set", "patch.looks=9", "--set", "sonar.bandwidth=30 kHz", "--set", "trials.block=50", "--trials", "100"]
     for _, line in COMMANDS:
         words = line.removeprefix("./run.sh ").split()
         if words[:2] == ["run", "my-study.toml"]:
             words += ["--trials", "2000", "--jobs", "1"]
+        elif words[:2] in (["run", "scaling"], ["run", "peers"]):
+            words += ["--set", "experiment.rows=1"]
         elif words[0] == "run":
             words += [*small, "--jobs", "1"]
         found = CliRunner().invoke(app, words)

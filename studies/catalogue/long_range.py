@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.stats import binomtest
 
 from estimators import Pixels, bounds
 from estimators.window_sizes import side_of_constant_ratio
@@ -189,11 +190,24 @@ def wrap_errors(table: pd.DataFrame, examples: Examples) -> Figure:
                 color=colour,
                 label=f"{short(window)}, over {OVER} m",
             )
+            ends = [_interval(int(wrong), int(trials)) for wrong, trials in zip(rate.wrong, rate.trials, strict=True)]
+            panel.vlines(rate.ground_range, *np.maximum(np.transpose(ends), 1e-4), color=colour, linewidth=1)
             panel.plot(of_window.ground_range, of_window.predicted_wrap_rate, "--", color=colour, linewidth=1)
         panel.axhline(0.01, color="black", linewidth=0.8)
         panel.set(yscale="log", ylim=(1e-4, 1.2))
-        panel.legend(fontsize=8, loc="upper left", title="dashed: predicted; on the floor: none seen", title_fontsize=8)
+        panel.legend(
+            fontsize=8,
+            loc="upper left",
+            title="dashed: predicted; bars: 95 % intervals; on the floor: none seen",
+            title_fontsize=8,
+        )
     return figure
+
+
+def _interval(wrong: int, trials: int) -> tuple[float, float]:
+    """Wilson's 95 % interval."""
+    interval = binomtest(wrong, trials).proportion_ci(method="wilson")
+    return float(interval.low), float(interval.high)
 
 
 def coherence_bias(table: pd.DataFrame, examples: Examples) -> Figure:

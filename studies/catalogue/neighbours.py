@@ -115,6 +115,10 @@ def figure(table: pd.DataFrame, examples: Examples) -> Figure:
         for panel, what in zip(axes[0], ("autocorrelation", "step"), strict=False):
             line = rows[rows.what == what]
             panel.plot(line.x, line.value, **style)
+            half = 1.96 * line.value_se
+            panel.fill_between(
+                line.x, line.value - half, line.value + half, color=style["color"], alpha=0.2, linewidth=0
+            )
         combined = rows[rows.what == "combined"]
         if len(combined):
             axes[0][2].plot(combined.x, combined["std"], "o", color=style["color"], markersize=5, label=style["label"])
@@ -134,6 +138,7 @@ def _label(axes: Any) -> None:
     for panel, (x, y) in zip(axes, words, strict=True):
         panel.set_xlabel(x)
         panel.set_ylabel(y)
+    axes[0].set_title("bands: 95 % intervals", fontsize=10)
     axes[0].set_xlim(0, LAGS)
     axes[1].set_xlim(-LAGS, LAGS)
     ends = np.array([min(REQUESTED), max(REQUESTED)])

@@ -1,13 +1,13 @@
 """Every fast method against its mask of paper A's frequential cross-correlation matrix."""
 
 import numpy as np
-from family_twin import band, everything, family, window
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from estimators import FixedWindow, Interferogram, MultiChromatic, SplitSpectrum
 from estimators.interferogram import zero_lag
 from estimators.lag_product import extended, lag_product, lag_series, upsampled
+from estimators.matrix import band, everything, family, window
 from estimators.sub_bands import band_pass, band_share
 from sim import EchoPair
 

@@ -178,8 +178,8 @@ def test_the_page_stands_alone(tmp_path):
     assert command("run", "wrap-errors", *SMALL, "--out", tmp_path).exit_code == 0
     page = (tmp_path / "wrap-errors" / "report.html").read_text()
     assert "How often does each estimator pick the wrong wrap" in page
-    assert page.count("data:image/svg+xml;base64,") == 2
-    assert not re.search(r"(?:src|href)\s*=\s*(?![\"']?data:)", page)
+    assert page.count("<svg ") == 2
+    assert not re.search(r"(?:src|href)\s*=\s*[\"'](?!data:|#)", page)
     assert "twinecho run manifest.json --seed 2026 --out again" in page
     again = command("run", tmp_path / "wrap-errors" / "manifest.json", "--jobs", "1", "--out", tmp_path / "again")
     assert again.exit_code == 0, again.output
