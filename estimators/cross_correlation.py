@@ -16,7 +16,8 @@ class CrossCorrelation:
 
     `C(t, tau) = sum over the window of p*(t' - tau/2) s(t' + tau/2)`; the delay maximises `|C|`, and the phase of `C`
     there picks the delay within the wrap (paper A, section 1; Sæbø, Synnes and Hansen 2013). With refinement the
-    spread is that of the phase, without it that of the group delay.
+    spread is that of the phase, without it that of the group delay. Time grows as samples, rows and lags do, and not
+    with the window (`docs/scaling.md`).
 
     Parameters
     ----------

@@ -207,7 +207,20 @@ def scale_of(series: Complex) -> float:
     """Power of two that brings the largest sample towards 1; 1 for single precision, whose squares double can hold."""
     if series.dtype == np.complex64:
         return 1.0
-    numbers = np.ascontiguousarray(series).view(np.float64)
-    largest = float(max(numbers.max(), -numbers.min()))
+    largest = largest_part(series)
     # Of the smallest numbers no power of two makes 1: they are lifted as far as one can.
     return float(2.0 ** min(-int(np.frexp(largest)[1]), 1000)) if largest > 0 else 1.0
+
+
+def largest_part(series: Complex) -> float:
+    """Largest magnitude of a real or imaginary part."""
+    numbers = np.ascontiguousarray(series).view(series.real.dtype)
+    return float(max(numbers.max(), -numbers.min()))
+
+
+def resolved(series: Complex) -> bool:
+    """Whether the largest sample is some thousand of the smallest numbers of its precision.
+
+    Of less, rounding to whole ones is no noise: two receivers that round alike agree on a phase that is not theirs.
+    """
+    return largest_part(series) >= 1000 * float(np.finfo(series.real.dtype).smallest_subnormal)

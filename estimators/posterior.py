@@ -20,6 +20,9 @@ from sim.band import Real
 Looks = float | Real
 """Independent looks of a window: a number, or one for each time."""
 
+Table = tuple[Real, Real]
+"""Places, and the values there."""
+
 NODES = 129
 """Coherences at which intervals are tabulated: even steps in the angle whose sine they are, with which intervals near
 full coherence go to zero on a straight line: from where they no longer fill the wrap, late in a narrow band."""
@@ -81,27 +84,38 @@ def _cumulated(density: Real, at: Real) -> Real:
     return np.pad(np.cumsum(steps, axis=1), ((0, 0), (1, 0)))
 
 
-def read_by_looks(coherence: Real, looks: Looks, table: Callable[[float], tuple[Real, Real]]) -> Real:
-    """A table over the angle whose sine is the coherence, for one number of looks or each distinct one at its times."""
+def read_by_looks(coherence: Real, looks: Looks, tables: Callable[[float], tuple[Table, Table]]) -> Real:
+    """Tables over the angle whose sine is the coherence, for one number of looks or each distinct one at its times.
+
+    The first has even steps, the second is finer in the last of these.
+    """
+    angle = np.arcsin(coherence)
     distinct, which = np.unique(looks, return_inverse=True)
     if len(distinct) == 1:
-        read: Real = read_even(np.arcsin(coherence), *table(float(distinct[0])))
-        return read
+        return _read(angle, *tables(float(distinct[0])))
     read = np.empty(coherence.shape)
     for number, n in enumerate(distinct):
         at = which == number
-        read[..., at] = read_even(np.arcsin(coherence[..., at]), *table(float(n)))
+        read[..., at] = _read(angle[..., at], *tables(float(n)))
+    return read
+
+
+def _read(angle: Real, even: Table, last: Table) -> Real:
+    read = read_even(angle, *even)
+    near = angle > last[0][0]
+    if near.any():
+        read[near] = np.interp(angle[near], *last)
     return read
 
 
 @lru_cache(maxsize=256)
-def _widths(looks: float, relative_bandwidth: float) -> tuple[Real, Real]:
+def _widths(looks: float, relative_bandwidth: float) -> tuple[Table, Table]:
     """Half-widths of 95 % [wraps] over the angle; at a bandwidth of zero those of the carrier."""
-    angles = np.linspace(0, np.pi / 2, NODES)
-    last = np.pi / 2 - np.geomspace(angles[1], ROUNDING, LAST_NODES)
-    angles = np.concatenate([angles[:-2], last, angles[-1:]])
+    even = np.linspace(0, np.pi / 2, NODES)
+    last = np.pi / 2 - np.geomspace(even[1], ROUNDING, LAST_NODES)
     if looks <= 1:
-        return angles, np.full(len(angles), GUESS)
+        return (even, np.full(NODES, GUESS)), (last, np.full(LAST_NODES, GUESS))
+    angles = np.concatenate([even[:-1], last])
     delay = np.concatenate([[0.0], np.geomspace(1e-11, 0.5, 1100)])
     refined = relative_bandwidth == 0
     # The power of N looks of speckle spreads over less than the band: the mean of 1 / W^2 of the share W of its rms
@@ -115,10 +129,10 @@ def _widths(looks: float, relative_bandwidth: float) -> tuple[Real, Real]:
         sinc = np.maximum(np.sinc(turn / np.pi), 0.0)
         short = np.where(turn < 1e-2, turn**2 / 3 * (1 - 2 * turn**2 / 15), (1 - sinc) * (1 + sinc))
     power = looks - (0.5 if refined else 1.0)
-    likelihood = np.exp(-power * np.log1p(np.tan(angles[:-1, None]) ** 2 * short))
+    likelihood = np.exp(-power * np.log1p(np.tan(angles[:, None]) ** 2 * short))
     held = _cumulated(likelihood, delay)
     widths = np.array([np.interp(0.95 * line[-1], line, delay) for line in held])
-    return angles, np.append(widths, widths[-1])
+    return (even, np.append(widths[: NODES - 1], widths[-1])), (last, widths[NODES - 1 :])
 
 
 def beyond_edge(coherence: Real, phase: Real, looks: Looks) -> Real:

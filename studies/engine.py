@@ -156,7 +156,8 @@ def run(study: Study, how: Run, folder: Path, progress: Progress = lambda done, 
     """Simulate and estimate what a folder lacks of a study.
 
     Every block is stored as it is done. The numbers depend on the study, its estimators and the seed alone, but for the
-    measured times: not on the backend, the jobs, the order of the blocks or on how often the run was interrupted.
+    measured times: not on the backend, the jobs, the order of the blocks or on how often the run was interrupted. Time
+    grows as the trials do, and falls as one over the jobs up to the cores; memory does not grow with the trials.
 
     Parameters
     ----------

@@ -52,7 +52,7 @@ class Result:
     def warnings(self) -> list[str]:
         """What a reader must know of the table: rows that rest on few weights, and failures."""
         said: list[str] = []
-        if "trials" not in self.table:
+        if "few_dominate" not in self.table:
             return said
         few = int(self.table.few_dominate.sum())
         if self.missing[0]:
