@@ -103,6 +103,11 @@ def tune(
     effort
         How much is measured.
 
+    Returns
+    -------
+    Tuned
+        The setting, what was judged beside it, and what was asked.
+
     Raises
     ------
     ValueError
