@@ -283,10 +283,14 @@ def test_a_shifted_table_of_an_experiment_is_found():
     rows = pd.DataFrame(
         {"method": list("abc"), "trials": 4000, "wrap_errors": [40, 400, 2000], "rmse": [1.0, 2.0, 3.0]}
     )
+    rate, error = rows.wrap_errors / 4000, np.sqrt(rows.wrap_errors * (4000 - rows.wrap_errors) / 4000) / 4000
+    rows = rows.assign(wrap_rate=rate, wrap_rate_low=rate - 1.96 * error, wrap_rate_high=rate + 1.96 * error)
     table = rows.assign(rmse_se=0.02 * rows.rmse, seconds=1.0, seconds_se=1e-3)
-    fresh = table.assign(rmse=table.rmse * 1.03, wrap_errors=[50, 380, 2050], seconds=2.0)
+    fresh = table.assign(
+        rmse=table.rmse * 1.03, wrap_rate=table.wrap_rate + np.array([0.002, -0.005, 0.012]), seconds=2.0
+    )
     assert of_errors_given(table, fresh, ["method"], TIMES).beyond(FALSE_ALARM) == []
-    for wrong in (table.assign(rmse=[1.0, 2.5, 3.0]), table.assign(wrap_errors=[140, 400, 2000])):
+    for wrong in (table.assign(rmse=[1.0, 2.5, 3.0]), table.assign(wrap_rate=[0.035, 0.1, 0.5])):
         assert len(of_errors_given(wrong, fresh, ["method"], TIMES).beyond(FALSE_ALARM)) == 1
 
 

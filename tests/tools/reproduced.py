@@ -190,24 +190,25 @@ def _claims(both: pd.DataFrame) -> Compared:
 
 
 def of_errors_given(kept: pd.DataFrame, fresh: pd.DataFrame, on: Sequence[str], leave_out: Sequence[str]) -> Surprises:
-    """Two tables by the columns that have a standard error beside them, `_se`, and by wrong wraps of so many trials.
+    """Two tables by the columns that have a standard error beside them, `_se`, or the ends of an interval of 95 %.
 
     Rows of fewer than `ENOUGH` trials, and columns whose names hold one of some words, are left out.
     """
-    both, surprises = matched(kept, fresh, on), Surprises()
-    both = both.copy()
-    if "wrap_errors" in kept:
-        # Rows without trials are of something else.
-        tried = both[both.trials.notna()]
-        counts = [tried[f"{name}{end}"].to_numpy() for end in ("", "_fresh") for name in ("wrap_errors", "trials")]
-        surprises.add("wrap_errors", tried, on, binomials(*counts)[1])
-        both = tried[(tried.trials_fresh - tried.wrap_errors_fresh) >= ENOUGH]
-    for column in (name.removesuffix("_se") for name in kept.columns if name.endswith("_se")):
-        if column in kept and not any(word in column for word in leave_out):
-            value, error, fresh_value, fresh_error = (
-                both[f"{column}{end}"].to_numpy() for end in ("", "_se", "_fresh", "_se_fresh")
-            )
-            known = np.isfinite(error) & np.isfinite(fresh_error)
-            p = differences(value, error, fresh_value, fresh_error, np.inf)[1]
-            surprises.add(column, both[known], on, p[known])
+    both, surprises = matched(kept, fresh, on).copy(), Surprises()
+    if "trials" in kept:
+        both = both[(both.trials_fresh - both.wrap_errors_fresh) >= ENOUGH]
+    for end in ("_se", "_low"):
+        for column in (name.removesuffix(end) for name in kept.columns if name.endswith(end)):
+            if column in kept and not any(word in column for word in leave_out):
+                error, fresh_error = (_error(both, column, of) for of in ("", "_fresh"))
+                known = np.isfinite(error) & np.isfinite(fresh_error)
+                value, fresh_value = both[column].to_numpy(), both[f"{column}_fresh"].to_numpy()
+                p = differences(value, error, fresh_value, fresh_error, np.inf)[1]
+                surprises.add(column, both[known], on, p[known])
     return surprises
+
+
+def _error(both: pd.DataFrame, column: str, of: str) -> np.ndarray:
+    if f"{column}_se" in both:
+        return both[f"{column}_se{of}"].to_numpy()
+    return (both[f"{column}_high{of}"] - both[f"{column}_low{of}"]).to_numpy() / (2 * ndtri(0.975))
