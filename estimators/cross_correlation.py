@@ -16,7 +16,8 @@ class CrossCorrelation:
 
     `C(t, tau) = sum over the window of p*(t' - tau/2) s(t' + tau/2)`; the delay maximises `|C|`, and the phase of `C`
     there picks the delay within the wrap (paper A, section 1; Sæbø, Synnes and Hansen 2013). With refinement the
-    spread is that of the phase, without it that of the group delay.
+    spread is that of the phase, without it that of the group delay. Time grows as samples, rows and lags do, and not
+    with the window (`docs/scaling.md`).
 
     Parameters
     ----------
@@ -28,6 +29,11 @@ class CrossCorrelation:
         Largest delay to look for [s], or a `Height`; `1 / B` where None. A peak on its border is not valid.
     lags_per_resolution
         Lags in `1 / B`, at least 4; more cost more time and gain nothing for windows of many looks.
+
+    Raises
+    ------
+    ValueError
+        For fewer lags; by `estimate`, for a search that is not above 0 s or is beyond half the record.
     """
 
     window: WindowPolicy

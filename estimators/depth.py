@@ -74,6 +74,11 @@ def depth_map(
     pixels
         The pixels on the ground; where None, those of the pair, `Pixels.of`.
 
+    Returns
+    -------
+    DepthMap
+        Of the shape of the pair.
+
     Raises
     ------
     ValueError

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.interference_kernel import interfere
+from estimators.interference_kernel import Scales, interfere
 from estimators.lag_product import scale_of
 
 ROWS = 512
@@ -57,10 +57,12 @@ def interferogram(
         )
     scales = [scale_of(series) for series in (primary, secondary)]
     product = np.empty(primary.shape, primary.dtype)
-    coherence = np.empty(primary.shape, primary.real.dtype)
-    units = scales[0], scales[1], 1 / scales[0] / scales[1]
+    # In parts of the brightest, energies of single pixels may be smaller than single precision holds.
+    coherence = np.empty(primary.shape, primary.real.dtype if rows * samples > 1 else np.float64)
+    # What is of single precision needs none.
+    units = (scales[0], scales[1], 1 / scales[0] / scales[1]) if product.dtype == np.complex128 else (None, None, None)
     _by_blocks(primary, secondary, units, (rows, samples), circular, product, None, coherence, threads)
-    return product, coherence
+    return product, coherence.astype(primary.real.dtype, copy=False)
 
 
 def interferogram_with_energy(
@@ -73,7 +75,7 @@ def interferogram_with_energy(
     product, energy
         Of double precision, shape (rows, time); (rows, 1) where every window holds the whole period.
     """
-    scales = scale_of(primary), scale_of(secondary), 1.0
+    scales = scale_of(primary), scale_of(secondary), None
     times = 1 if circular and samples == primary.shape[1] else primary.shape[1]
     product, energy = np.empty((len(primary), times), np.complex128), np.empty((len(primary), times))
     _by_blocks(primary, secondary, scales, (rows, samples), circular, product, energy, None, 1)
@@ -83,7 +85,7 @@ def interferogram_with_energy(
 def _by_blocks(
     primary: Numbers,
     secondary: Numbers,
-    scales: tuple[float, float, float],
+    scales: Scales,
     sizes: tuple[int, int],
     circular: bool,
     product: Numbers,

@@ -19,13 +19,14 @@ EPSILON = 2.0**-51
 """Rounding of a step, in parts of the brightest of some windows: no other has more than twice their energy."""
 
 Array = NDArray[Any]
+Scales = tuple[float | None, float | None, float | None]
 
 
 @compiled
 def interfere(
     primary: Array,
     secondary: Array,
-    scales: tuple[float, float, float],
+    scales: Scales,
     block: tuple[int, int],
     sizes: tuple[int, int],
     circular: bool,
@@ -35,7 +36,8 @@ def interfere(
 ) -> None:
     """Windowed sums of `conj(p) s`, `|p|^2` and `|s|^2` of the rows from the first of a block to before its last.
 
-    Complex numbers are pairs of real ones. The scales are those of the primary, the secondary and the product given.
+    Complex numbers are pairs of real ones. The scales are those of the primary, the secondary and the product given;
+    None stands for 1, without the time of a multiplication.
     `energy` takes the root of the product of both energies, `coherence` the magnitude of the product over it. A single
     column takes the sums of the whole period. Where an energy lies within what rounding may have left of the brightest
     window before, the window counts as empty.
@@ -64,7 +66,8 @@ def interfere(
                     secondary[old, x:end] if leaves else nothing[: end - x],
                     primary[new, x:end] if comes else nothing[: end - x],
                     secondary[new, x:end] if comes else nothing[: end - x],
-                    scales,
+                    scales[0],
+                    scales[1],
                     line,
                     at,
                 )
@@ -72,8 +75,8 @@ def interfere(
                 _move_along(line, length, count, sums)
                 highest = max(highest, _highest(sums[2], length, count))
                 highest_other = max(highest_other, _highest(sums[3], length, count))
-                floors = EPSILON * steps * highest, EPSILON * steps * highest_other
-                _give(sums, floors, scales[2], r, begin, count, product, energy, coherence)
+                brightest = highest, highest_other
+                _give(sums, brightest, EPSILON * steps, scales[2], r, begin, count, product, energy, coherence)
 
 
 @compiled
@@ -98,17 +101,21 @@ def _parts(start: int, count: int, samples: int, circular: bool) -> Array:
 
 @compiled_fusing
 def _move_down(
-    p: Array, s: Array, new_p: Array, new_s: Array, scales: tuple[float, float, float], line: Array, at: int
+    p: Array, s: Array, new_p: Array, new_s: Array, f: float | None, g: float | None, line: Array, at: int
 ) -> None:
     a, b, c, d = line[0, at:], line[1, at:], line[2, at:], line[3, at:]
-    f, g, _ = scales
     for i in range(p.size // 2):
-        px, py, sx, sy = p[2 * i] * f, p[2 * i + 1] * f, s[2 * i] * g, s[2 * i + 1] * g
-        qx, qy, tx, ty = new_p[2 * i] * f, new_p[2 * i + 1] * f, new_s[2 * i] * g, new_s[2 * i + 1] * g
+        px, py, sx, sy = _by(p[2 * i], f), _by(p[2 * i + 1], f), _by(s[2 * i], g), _by(s[2 * i + 1], g)
+        qx, qy, tx, ty = _by(new_p[2 * i], f), _by(new_p[2 * i + 1], f), _by(new_s[2 * i], g), _by(new_s[2 * i + 1], g)
         a[i] += (qx * tx + qy * ty) - (px * sx + py * sy)
         b[i] += (qx * ty - qy * tx) - (px * sy - py * sx)
         c[i] += (qx * qx + qy * qy) - (px * px + py * py)
         d[i] += (tx * tx + ty * ty) - (sx * sx + sy * sy)
+
+
+@compiled
+def _by(number: float, scale: float | None) -> float:
+    return np.float64(number) if scale is None else number * scale
 
 
 @compiled
@@ -142,8 +149,9 @@ def _highest(energies: Array, length: int, count: int) -> float:
 @compiled
 def _give(
     sums: Array,
-    floors: tuple[float, float],
-    scale: float,
+    brightest: tuple[float, float],
+    left: float,
+    scale: float | None,
     r: int,
     begin: int,
     count: int,
@@ -151,18 +159,23 @@ def _give(
     energy: Array | None,
     coherence: Array | None,
 ) -> None:
+    """Write a row; `left` is what rounding may have left of the brightest energies, in parts of them."""
     w, x, y, z = sums[0], sums[1], sums[2], sums[3]
+    floor, floor_other = left * brightest[0], left * brightest[1]
     out = product[r, 2 * begin : 2 * (begin + count)]
     if energy is not None:
         root = energy[r, begin : begin + count]
         for i in range(count):
-            here = scale if y[i] > floors[0] and z[i] > floors[1] else 0.0
-            out[2 * i], out[2 * i + 1] = w[i] * here, x[i] * here
-            root[i] = np.sqrt(max(y[i], 0.0) * max(z[i], 0.0)) * here
+            here = 1.0 if y[i] > floor and z[i] > floor_other else 0.0
+            out[2 * i], out[2 * i + 1] = _by(w[i] * here, scale), _by(x[i] * here, scale)
+            root[i] = _by(np.sqrt(max(y[i], 0.0) * max(z[i], 0.0)) * here, scale)
     if coherence is not None:
-        share = coherence[r, begin : begin + count]
+        share, kind = coherence[r, begin : begin + count], coherence.dtype.type
+        # On a scale that single precision holds, which divides in half the time.
+        unit = 1 / max(brightest[0] * brightest[1], 1e-300)
         for i in range(count):
-            here = 1.0 if y[i] > floors[0] and z[i] > floors[1] else 0.0
-            out[2 * i], out[2 * i + 1] = w[i] * (scale * here), x[i] * (scale * here)
-            squared = here * (w[i] * w[i] + x[i] * x[i]) / (y[i] * z[i] + (1.0 - here))
-            share[i] = np.sqrt(coherence.dtype.type(min(squared, 1.0)))
+            here = (y[i] > floor) & (z[i] > floor_other)
+            a, b = (w[i], x[i]) if here else (0.0, 0.0)
+            out[2 * i], out[2 * i + 1] = _by(a, scale), _by(b, scale)
+            squared = kind((a * a + b * b) * unit) / kind(y[i] * z[i] * unit if here else 1.0)
+            share[i] = np.sqrt(min(squared, kind(1.0)))

@@ -31,7 +31,7 @@ class Interferogram:
     """Delay within half a wrap of zero, from the phase of the windowed zero-lag interferogram.
 
     `delay = -arg(sum over the window of p* s) / (2 pi fc)` (paper A, equations 3 to 5). It cannot tell the wrap: a
-    delay beyond half a wrap comes out in the wrong one.
+    delay beyond half a wrap comes out in the wrong one. Time grows as the pixels do, and not with the window.
 
     Parameters
     ----------

@@ -35,6 +35,11 @@ class MaximumLikelihood:
         higher than all within is not valid.
     lags_per_resolution
         Lags in `1 / B` between which the correlation is interpolated, at least 4.
+
+    Raises
+    ------
+    ValueError
+        For fewer lags; by `estimate`, for a search that is not above 0 s or is beyond half the record.
     """
 
     window: WindowPolicy

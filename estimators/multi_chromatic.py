@@ -8,13 +8,10 @@ import scipy.fft
 from estimators.estimate import DelayEstimate
 from estimators.peak import Peak
 from estimators.search import by_rows, describe, read_at
-from estimators.sub_bands import band_pass, band_share, carried_to, lag_slope
+from estimators.sub_bands import LAGS_PER_RESOLUTION, band_pass, band_share, carried_to, lag_slope
 from estimators.windows import WindowPolicy
 from sim import EchoPair, checks
 from sim.band import Complex, Real
-
-LAGS_PER_RESOLUTION = 4
-"""Lags in `1 / B` between which the full band's lag product is interpolated, to 6e-5 of its amplitude."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +40,11 @@ class MultiChromatic:
         `C`, at least 2.
     refine
         Whether the residual phase refines the delay.
+
+    Raises
+    ------
+    ValueError
+        For fewer bands; by `estimate`, for so many that one holds no Fourier bin.
     """
 
     window: WindowPolicy
@@ -74,7 +76,7 @@ class MultiChromatic:
 
         line = by_rows(pair, window, 0, 256 + 384 * self.bands, peaks).delay
         search = min(0.5 / width, pair.grid.period / 2)
-        peak = read_at(pair, window, line, LAGS_PER_RESOLUTION, search)
+        peak = read_at(pair, window, line, LAGS_PER_RESOLUTION, search, refine=self.refine)
         bandwidth = pair.bandwidth * np.sqrt(1 - 1 / self.bands**2)
         return describe(pair, window, peak, refine=self.refine, search=search, bandwidth=bandwidth)
 

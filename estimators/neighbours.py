@@ -42,6 +42,11 @@ class CombinedNeighbours:
         Requested standard deviation of the delay while the wraps are right [s].
     windows
         Those that are tried, the smallest first.
+
+    Raises
+    ------
+    ValueError
+        For a spread that is not above 0, no windows, and what is no estimator.
     """
 
     estimator: Estimator = field(default_factory=FullBandPhaseSlope)

@@ -57,6 +57,12 @@ class FullBandPhaseSlope:
     lags_per_resolution
         Lags in `1 / B`, at least 4. A coarse climb oversteps narrow ridges: at true delay zero without noise it stays
         on the right one for .762 of single pixels with 8 lags, for .773 with 32, and for .775 in the limit.
+
+    Raises
+    ------
+    ValueError
+        For fewer lags, another peak, and a start beside "strongest"; by `estimate`, for a search that is not above 0 s
+        or is beyond half the record.
     """
 
     window: WindowPolicy = field(default_factory=lambda: FixedWindow(1, 1))

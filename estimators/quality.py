@@ -35,8 +35,10 @@ def brightness(pair: EchoPair, estimate: DelayEstimate, window: FixedWindow) -> 
 
 
 def coherence(pair: EchoPair, estimate: DelayEstimate, window: FixedWindow) -> Real:
-    """Sample coherence of the window at the estimate's delay; of a single look always 1."""
-    return _height(_read(pair, estimate, window))
+    """Sample coherence of the window at the estimate's delay; of a single look always 1, where there is an echo."""
+    height = _height(_read(pair, estimate, window))
+    # What is left of 1 is rounding, which must not rank pixels.
+    return np.where(height > 0, 1.0, 0.0) if window.pixels == 1 else height
 
 
 def likelihood(pair: EchoPair, estimate: DelayEstimate, window: FixedWindow) -> Real:

@@ -38,6 +38,11 @@ class MeasuredCoherence:
         The first window; where the pair has less, all that it has. It must hold more than one look.
     smoothing
         Length over which to average [m of slant range].
+
+    Raises
+    ------
+    ValueError
+        For a window of a single pixel, and a smoothing outside 0 to 1,000,000 m.
     """
 
     rows: int = 9
@@ -87,6 +92,11 @@ class KnownCoherence:
         0 to 1; one number, or shape (range,).
     ground_range
         Where it was found [m], rising; as many.
+
+    Raises
+    ------
+    ValueError
+        For a coherence outside 0 to 1, ranges that do not rise, and numbers of them that differ.
     """
 
     coherence: ArrayLike

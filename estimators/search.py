@@ -147,21 +147,33 @@ def over_times(series: LagSeries, find: Callable[..., Peak], *beside: Real) -> P
     return Peak(*(np.concatenate(parts, axis=1) for parts in zip(*found, strict=True)))
 
 
-def read_at(pair: EchoPair, window: Window, delay: Real, lags_per_resolution: int, search: float | None = None) -> Peak:
+def read_at(
+    pair: EchoPair,
+    window: Window,
+    delay: Real,
+    lags_per_resolution: int,
+    search: float | None = None,
+    *,
+    refine: bool = False,
+) -> Peak:
     """Windowed lag product at a given delay of every pixel [s], within half the record.
 
-    Where a search range [s] is given, the wraps within it tell how doubtful that of the delay is.
+    With refinement it is read again at the delay that its phase allows, as in `search_peaks`. Where a search range [s]
+    is given, the wraps within it tell how doubtful that of the delay is.
     """
     looks, reach = window.looks(pair), max(float(np.abs(delay).max()), search or 0.0)
 
     def read(stack: LagStack, _: int, near: Real) -> Peak:
         unread = Peak(near, stack.products[0], stack.energies[0], np.ones((), dtype=np.bool_))
         peak = moved_to(unread, stack, near).spread()
+        if refine:
+            peak = moved_to(peak, stack, refined_delay(peak, pair.centre_frequency))
         if search is None:
             return peak
-        return peak._replace(doubt=wrap_doubt(stack, near, looks, pair.centre_frequency, search))
+        height = peak.height if refine else None
+        return peak._replace(doubt=wrap_doubt(stack, peak.delay, looks, pair.centre_frequency, search, height))
 
-    beyond = 0.0 if search is None else 0.5
+    beyond = 0.5 if refine or search is not None else 0.0
     return over_lags(pair, window, reach, lags_per_resolution, beyond, read, delay)
 
 

@@ -6,6 +6,9 @@ import scipy.fft
 from estimators.windows import Window
 from sim.band import Complex, Real
 
+LAGS_PER_RESOLUTION = 4
+"""Lags in `1 / B` between which the full band's lag product is interpolated, to 6e-5 of its amplitude."""
+
 
 def band_share(frequencies: Real, centre: float, width: float) -> Real:
     """Share of each Fourier bin that lies in a band; none of the Nyquist bin, which lies at both ends.

@@ -37,6 +37,11 @@ class TwoWindow:
         The window that gives the phase; a single pixel by default.
     lags_per_resolution
         Lags in `1 / B` between which the lag product is interpolated, at least 4.
+
+    Raises
+    ------
+    ValueError
+        For fewer lags, and what is no estimator.
     """
 
     wrap: Estimator

@@ -24,6 +24,11 @@ class Thresholds:
         Least sample coherence, 0 to 1.
     wrap_error_probability
         Largest predicted probability of a wrap error, 0 to 1.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits.
     """
 
     height_std: float = np.inf
@@ -67,7 +72,23 @@ class Coverage:
 
 
 def coverage(depths: DepthMap, thresholds: Thresholds) -> Coverage:
-    """Range and area of the depths that keep their thresholds; pixels count with their size on the reference plane."""
+    """Range and area of the depths that keep their thresholds; pixels count with their size on the reference plane.
+
+    Parameters
+    ----------
+    depths, thresholds
+        The depths, and what they must keep.
+
+    Returns
+    -------
+    Coverage
+        Range [m], area [m^2] and share.
+
+    Raises
+    ------
+    ValueError
+        As `valid_range`.
+    """
     cells = np.where(np.isfinite(depths.plane_range), depths.cell, 0.0)
     kept = thresholds.mask(depths)
     area = float((kept.sum(axis=0) * cells).sum())
@@ -94,6 +115,11 @@ def valid_range(depths: DepthMap, height_std: float, *, over: float = 1.0) -> fl
     -------
     float
         The ground range of the reference plane at the last time of the range [m]; 0 where no piece is within.
+
+    Raises
+    ------
+    ValueError
+        For a piece of 0 m or less.
     """
     checks.positive("over", over, "m")
     told = depths.valid.any(axis=0) & np.isfinite(depths.plane_range)

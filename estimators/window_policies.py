@@ -125,6 +125,11 @@ class ConstantStdWindow(SquareWindow):
     ----------
     std
         Cramér-Rao bound of the depth [m].
+
+    Raises
+    ------
+    ValueError
+        For a `std` that is not above 0, and for limits as of `SquareWindow`.
     """
 
     std: float
@@ -150,6 +155,11 @@ class AdaptiveWindow(SquareWindow):
     ----------
     kappa
         Horizontal resolution over Cramér-Rao bound of the depth.
+
+    Raises
+    ------
+    ValueError
+        For a `kappa` that is not above 0, and for limits as of `SquareWindow`.
     """
 
     kappa: float
@@ -186,6 +196,11 @@ class WrapSafeWindow(SquareWindow):
         Largest wrap-error probability; 1 allows all.
     predict
         How wrap errors are predicted; for the cross-correlation with refinement by default.
+
+    Raises
+    ------
+    ValueError
+        For a `kappa` or probability outside these limits, and for limits as of `SquareWindow`.
     """
 
     kappa: float

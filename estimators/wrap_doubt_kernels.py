@@ -4,7 +4,7 @@ Rivals are read by the polynomial through nine lags, but only those that may mat
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -231,37 +231,3 @@ def _add(
 def _part(lag: float, search: float, turns_a_lag: float) -> float:
     """Of the wrap about a lag, how much is within the range; not above 0 where none is."""
     return min((search - abs(lag)) * turns_a_lag + 0.5, 1.0)
-
-
-@compiled
-def sub_band_doubts(
-    low: Any,
-    high: Any,
-    energies: Any,
-    delays: Any,
-    wraps: Any,
-    spacing: float,
-    search: float,
-    looks: Any,
-    which: Any,
-    tables: Any,
-) -> Any:
-    """Doubt of delays [wraps] from two interferograms; the first of the wraps is their own."""
-    found = np.empty(delays.shape)
-    for row in range(delays.shape[0]):
-        for time in range(delays.shape[1]):
-            delay = delays[row, time]
-            energy = energies[row, time] if energies[row, time] > 0 else np.inf
-            first, second = low[row, time], high[row, time]
-            here, odds = 0.0, 0.0
-            for m in wraps:
-                share = min(search - abs(delay + m) + 0.5, 1.0)
-                if m == 0 or share > 0:
-                    height = abs(first + second * np.exp(2j * np.pi * spacing * (delay + m))) / energy
-                    there = log_share(min(height, 1.0), looks, tables, which[time])
-                    if m == 0:
-                        here = there
-                    else:
-                        odds += share * np.exp(min(there - here, 700.0))
-            found[row, time] = odds / (1 + odds)
-    return found

@@ -35,6 +35,11 @@ class AlongTrack:
         Distance of rows [m].
     resolution
         `dx` [m], not below half the spacing; from the spacing on down rows are independent.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits.
     """
 
     spacing: float
@@ -63,24 +68,41 @@ class AlongTrack:
         return normed
 
     def gather(self, rows: NDArray[Any]) -> NDArray[Any]:
-        """Filtered rows from independent ones, shape (rows + 2 halo, samples), complex and contiguous."""
+        """Filtered rows from independent ones, complex and contiguous, of shape (rows + 2 halo, samples).
+
+        They take the place of the first rows, so that no memory is needed for them.
+        """
         if self.halo == 0:
             return rows
-        gathered = np.zeros((len(rows) - 2 * self.halo, rows.shape[1]), dtype=rows.dtype)
         # The complex series as twice as many real columns.
-        before, after = (array.view(array.real.dtype) for array in (rows, gathered))
-        _gather(before, self.weights.astype(before.dtype), after)
-        return gathered
+        columns = rows.view(rows.real.dtype)
+        _gather(columns, self.weights.astype(columns.dtype))
+        count = len(rows) - 2 * self.halo
+        # The memory of the halo stays in use beside as many rows, not beside a few.
+        return rows[:count] if count > self.halo else rows[:count].copy()
 
 
 @compiled
-def _gather(rows: Real, weights: Real, gathered: Real) -> None:
-    """Add up weighted rows, always in the same order, in stretches that stay in the cache."""
+def _gather(rows: Real, weights: Real) -> None:
+    """Put weighted sums of rows in place of the first, in the same order always, in stretches that a cache holds."""
+    taps, count = len(weights), len(rows) - len(weights) + 1
+    sums = np.empty(STRETCH, rows.dtype)
     for start in range(0, rows.shape[1], STRETCH):
         stop = min(start + STRETCH, rows.shape[1])
-        for row in range(len(gathered)):
-            total = gathered[row, start:stop]
-            for offset in range(len(weights)):
-                weight, one = weights[offset], rows[row + offset, start:stop]
+        total = sums[: stop - start]
+        for row in range(count):
+            total[:] = 0.0
+            # By fours the sum is written to memory a quarter as often.
+            for tap in range(0, taps - 3, 4):
+                a, b, c, d = weights[tap], weights[tap + 1], weights[tap + 2], weights[tap + 3]
+                first, second = rows[row + tap, start:stop], rows[row + tap + 1, start:stop]
+                third, fourth = rows[row + tap + 2, start:stop], rows[row + tap + 3, start:stop]
+                for column in range(len(total)):
+                    total[column] = (
+                        total[column] + a * first[column] + b * second[column] + c * third[column] + d * fourth[column]
+                    )
+            for tap in range(taps - taps % 4, taps):
+                weight, one = weights[tap], rows[row + tap, start:stop]
                 for column in range(len(total)):
                     total[column] += weight * one[column]
+            rows[row, start:stop] = total

@@ -91,6 +91,13 @@ class Band:
         """Bin frequencies relative to the centre frequency [Hz], shape (bins,)."""
         return self.harmonics / self.grid.period
 
+    @cached_property
+    def passes(self) -> Real:
+        """Amplitude `sqrt(w)` that the band passes of all bins in the order of the FFT, 0 beyond; shape (samples,)."""
+        passes = np.zeros(self.grid.samples)
+        passes[self.harmonics] = np.sqrt(self.weights)
+        return passes
+
     @property
     def looks(self) -> float:
         """Independent looks of the whole record, `(sum w)^2 / sum w^2`."""
@@ -99,7 +106,9 @@ class Band:
     def series(self, spectrum: NDArray[Any]) -> Complex:
         """Sum `spectrum[..., k] exp(2 pi i f_k t)` at the instants of the grid, shape (..., samples)."""
         bins = np.zeros((*spectrum.shape[:-1], self.grid.samples), dtype=np.complex128)
-        bins[..., self.harmonics] = spectrum
+        below = self.harmonics.size // 2
+        bins[..., : below + 1] = spectrum[..., below:]
+        bins[..., bins.shape[-1] - below :] = spectrum[..., :below]
         series: Complex = scipy.fft.ifft(bins, axis=-1, norm="forward", overwrite_x=True)
         return series
 

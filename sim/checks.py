@@ -9,29 +9,43 @@ import numpy as np
 
 def finite(name: str, value: float, unit: str = "") -> float:
     """Return `value` as a float; ValueError unless it is a finite real number."""
+    given = number(name, value, unit)
+    if not math.isfinite(given):
+        raise ValueError(f"{name} is {given:g}; it must be finite")
+    return given
+
+
+def number(name: str, value: float, unit: str = "") -> float:
+    """Return `value` as a float, which may be infinite; ValueError unless it is a real number."""
     try:
-        number = float(value)
+        return float(value)
     except (TypeError, ValueError):
         raise ValueError(f"{name} is {value!r}; it must be a number{_in(unit)}") from None
-    if not math.isfinite(number):
-        raise ValueError(f"{name} is {number:g}; it must be finite")
-    return number
+
+
+def ends(name: str, value: Iterable[float], unit: str = "") -> tuple[float, float]:
+    """Return `value` as two floats, which may be infinite; ValueError unless it is two real numbers."""
+    try:
+        first, last = (float(end) for end in value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} is {value!r}; it must be two numbers{_in(unit)}") from None
+    return first, last
 
 
 def positive(name: str, value: float, unit: str = "") -> float:
     """Return `value` as a float; ValueError unless it is finite and above zero."""
-    number = finite(name, value, unit)
-    if number <= 0:
-        raise ValueError(f"{name} is {number:g}{_of(unit)}; it must be above 0{_of(unit)}")
-    return number
+    given = finite(name, value, unit)
+    if given <= 0:
+        raise ValueError(f"{name} is {given:g}{_of(unit)}; it must be above 0{_of(unit)}")
+    return given
 
 
 def within(name: str, value: float, low: float, high: float, unit: str = "") -> float:
     """Return `value` as a float; ValueError unless low <= value <= high."""
-    number = finite(name, value, unit)
-    if not low <= number <= high:
-        raise ValueError(f"{name} is {number:g}{_of(unit)}; it must lie between {low:g} and {high:g}{_of(unit)}")
-    return number
+    given = finite(name, value, unit)
+    if not low <= given <= high:
+        raise ValueError(f"{name} is {given:g}{_of(unit)}; it must lie between {low:g} and {high:g}{_of(unit)}")
+    return given
 
 
 def count(name: str, value: int, least: int = 1) -> int:

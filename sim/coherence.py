@@ -46,7 +46,23 @@ def expected_coherence(
     height: ArrayLike = 0.0,
     model: Model = "small-slope",
 ) -> Real:
-    """Coherence magnitude to expect at zero lag of a registered pair: `coherence_terms(...).product`."""
+    """Coherence magnitude to expect at zero lag of a registered pair: `coherence_terms(...).product`.
+
+    Parameters
+    ----------
+    sonar, sediment, ground_range, height, model
+        As for `coherence_terms`; ranges and heights [m] broadcast.
+
+    Returns
+    -------
+    array
+        0 to 1, of the broadcast shape.
+
+    Raises
+    ------
+    ValueError
+        As `sonar_equation`.
+    """
     return coherence_terms(sonar, sediment, ground_range, height=height, model=model).product
 
 

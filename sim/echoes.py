@@ -1,16 +1,19 @@
 """Echoes of scatterers that lie anywhere: from places and strengths to band-limited series."""
 
-import finufft
 import numpy as np
+from numpy.typing import NDArray
 
 from sim.band import Band, Complex, Real
+from sim.compiled import compiled
 from sim.geometry import travel_times
 from sim.levels import scatterer_power
 from sim.listening import Listening
+from sim.passes import turn
 from sim.profile import Profile, SeabedPoints
 from sim.sonar import Sonar
 from sim.streams import Streams, Use
 from sim.texture import scattered, texture_shape
+from sim.transforms import to_spectrum
 from sim.visibility import sees
 
 
@@ -32,10 +35,21 @@ def place_scatterers(profile: Profile, spacing: float, rng: np.random.Generator)
         The points, and the length of the cell that each stands for [m]; shape (scatterer,).
     """
     cells = np.maximum(np.ceil(profile.lengths / spacing), 1).astype(np.int64)
-    segment = np.repeat(np.arange(len(cells)), cells)
-    cell = np.arange(len(segment)) - np.repeat(np.cumsum(cells) - cells, cells)
-    share = (cell + rng.random(len(segment))) / cells[segment]
-    return SeabedPoints(segment, share), (profile.lengths / cells)[segment]
+    segment, share, length = _cells(cells, profile.lengths / cells, rng.random(cells.sum()))
+    return SeabedPoints(segment, share), length
+
+
+@compiled
+def _cells(cells: NDArray[np.int64], lengths: Real, within: Real) -> tuple[NDArray[np.int64], Real, Real]:
+    """Segment, share along it and length of every cell, from how many of which length each segment has."""
+    segments, shares, of_cell = np.empty(len(within), np.int64), np.empty(len(within)), np.empty(len(within))
+    point = 0
+    for segment in range(len(cells)):
+        for cell in range(cells[segment]):
+            segments[point], of_cell[point] = segment, lengths[segment]
+            shares[point] = (cell + within[point]) / cells[segment]
+            point += 1
+    return segments, shares, of_cell
 
 
 def echo_spectrum(band: Band, times: Real, amplitudes: Complex, accuracy: float = 1e-12) -> Complex:
@@ -61,8 +75,8 @@ def echo_spectrum(band: Band, times: Real, amplitudes: Complex, accuracy: float 
         Shape (rows, bins).
     """
     phase = (times - band.grid.start) * (2 * np.pi / band.grid.period)
-    bins = finufft.nufft1d1(phase, amplitudes, band.harmonics.size, eps=accuracy, isign=-1, nthreads=1)
-    spectrum: Complex = np.atleast_2d(bins) * (np.sqrt(band.weights) / band.weights.sum())
+    spectrum = to_spectrum(phase, amplitudes, band.harmonics.size, accuracy)
+    spectrum *= np.sqrt(band.weights) / band.weights.sum()
     return spectrum
 
 
@@ -94,15 +108,20 @@ def scatterer_spectra(listening: Listening, profile: Profile, rows: range, strea
         points, length = points.chosen(seen), length[seen]
     times = travel_times(sonar, *profile.position(points))
     power = scatterer_power(scene, sonar, profile, points, length, plan.level)
-    amplitudes = streams.gaussian(Use.SPECKLE, rows, len(length)) * np.sqrt(power)
+    amplitudes = streams.gaussian(Use.SPECKLE, rows, np.sqrt(power))
     if np.isfinite(scene.speckle_shape):
         in_range = scattered(_heard_together(profile, points, length, sonar))
         shape = texture_shape(scene.speckle_shape, in_range, plan.along_track)
         amplitudes *= np.sqrt(streams.texture(rows, len(length), shape))
     primary = echo_spectrum(listening.band, times[0], amplitudes, plan.accuracy)
-    amplitudes *= np.exp(-2j * np.pi * sonar.centre_frequency * (times[1] - times[0]))
-    if plan.shadow:
-        amplitudes *= sees(profile, points, sonar.altitude + sonar.baseline)
+    turns = -sonar.centre_frequency * (times[1] - times[0])
+    above = (
+        sees(profile, points, sonar.altitude + sonar.baseline).astype(np.float64)
+        if plan.shadow
+        else np.ones(turns.size)
+    )
+    for row in amplitudes:
+        turn(row, turns, above)
     return primary, echo_spectrum(listening.band, times[1], amplitudes, plan.accuracy)
 
 

@@ -53,7 +53,7 @@ class _Solid:
         checks.positive("start", self.start, "m")
         checks.positive("width", self.width, "m")
         checks.positive("height", self.height, "m")
-        first, last = self.along_track
+        first, last = checks.ends("along_track", self.along_track, "m")
         if not first < last:
             raise ValueError(f"along_track is ({first:g}, {last:g}) m; it must begin before it ends")
 
@@ -105,14 +105,8 @@ class Wedge(_Solid):
 
     Parameters
     ----------
-    start
-        Ground range of its near foot [m].
-    width
-        Extent in ground range [m].
-    height
-        Height of its crest above what it stands on [m].
-    along_track
-        Where it begins and ends along track [m]; without end by default.
+    start, width, height, along_track
+        As of a `Box` [m], from foot to foot and up to its crest.
     """
 
     def outline(self, along_track: float, ground_range: tuple[float, float]) -> Outline:
@@ -122,8 +116,24 @@ class Wedge(_Solid):
         return self.start + self.width * np.array([0.0, 0.5, 1.0]), np.array([0.0, self.height, 0.0])
 
 
+class _Rise:
+    """What lifts the floor by some height, all along the track."""
+
+    rise: float
+
+    @property
+    def uniform(self) -> bool:
+        """It is."""
+        return True
+
+    @property
+    def heights(self) -> tuple[float, float]:
+        """The lower and the higher side [m]."""
+        return min(self.rise, 0.0), max(self.rise, 0.0)
+
+
 @dataclass(frozen=True)
-class Slope:
+class Slope(_Rise):
     """A ramp: level up to its start, level again beyond its end.
 
     Parameters
@@ -134,6 +144,11 @@ class Slope:
         Extent in ground range [m].
     rise
         How much higher its end lies than its start [m]; below 0 where it falls.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits, or not finite.
     """
 
     start: float
@@ -146,19 +161,9 @@ class Slope:
         checks.finite("rise", self.rise, "m")
 
     @property
-    def uniform(self) -> bool:
-        """It is."""
-        return True
-
-    @property
     def ends(self) -> tuple[float, float]:
         """Where it starts and ends [m]."""
         return self.start, self.start + self.width
-
-    @property
-    def heights(self) -> tuple[float, float]:
-        """The lower and the higher side [m]."""
-        return min(self.rise, 0.0), max(self.rise, 0.0)
 
     def outline(self, along_track: float, ground_range: tuple[float, float]) -> Outline:
         """Start and end."""
@@ -166,7 +171,7 @@ class Slope:
 
 
 @dataclass(frozen=True)
-class Step:
+class Step(_Rise):
     """A vertical step, level before and behind.
 
     Parameters
@@ -175,6 +180,11 @@ class Step:
         Where it stands [m].
     rise
         How much higher the far side lies [m]; below 0 where it falls.
+
+    Raises
+    ------
+    ValueError
+        For a place at or before 0 m, and numbers that are not finite.
     """
 
     ground_range: float
@@ -185,19 +195,9 @@ class Step:
         checks.finite("rise", self.rise, "m")
 
     @property
-    def uniform(self) -> bool:
-        """It is."""
-        return True
-
-    @property
     def ends(self) -> tuple[float, float]:
         """Where it stands [m]."""
         return self.ground_range, self.ground_range
-
-    @property
-    def heights(self) -> tuple[float, float]:
-        """The lower and the higher side [m]."""
-        return min(self.rise, 0.0), max(self.rise, 0.0)
 
     def outline(self, along_track: float, ground_range: tuple[float, float]) -> Outline:
         """Foot and edge."""
@@ -219,6 +219,11 @@ class TrawlMark:
         `d` [m].
     width
         `w` [m].
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits.
     """
 
     ground_range: float

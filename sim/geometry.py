@@ -1,11 +1,13 @@
 """Where things are and when they are heard: slant range, delay, height."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from sim.band import Real
+from sim.compiled import compiled
 from sim.sonar import Sonar
 
 
@@ -27,12 +29,12 @@ def travel_times(sonar: Sonar, ground_range: ArrayLike, height: ArrayLike) -> tu
     tuple of arrays
         `t_p` and `t_s` [s].
     """
-    depression = sonar.altitude - np.asarray(height, dtype=float)
-    square = np.square(np.asarray(ground_range, dtype=float))
-    # Four times as fast as hypot, which is for numbers whose squares are out of range.
-    slant = np.sqrt(square + depression**2)
-    slant_secondary = np.sqrt(square + (depression + sonar.baseline) ** 2)
-    return 2 * slant / sonar.sound_speed, (slant + slant_secondary) / sonar.sound_speed
+    places = np.broadcast_arrays(np.asarray(ground_range, dtype=float), np.asarray(height, dtype=float))
+    shape = places[0].shape
+    times = _travel_times(
+        places[0].ravel(), places[1].ravel(), float(sonar.altitude), float(sonar.baseline), float(sonar.sound_speed)
+    )
+    return times[0].reshape(shape), times[1].reshape(shape)
 
 
 def plane_delay(sonar: Sonar, time: ArrayLike) -> Real:
@@ -148,6 +150,11 @@ class Geometry:
         left: Real = time_secondary - time - excess / (self.sonar.sound_speed**2 * time_secondary)
         return left
 
+    def left_delay(self, ground_range: Real, height: Real) -> Real:
+        """Delay that registration leaves of points [m], shape (point,): `registered_delay` of their `travel_times`."""
+        sonar = self.sonar
+        return _left_delay(ground_range, height, float(sonar.altitude), float(sonar.baseline), float(sonar.sound_speed))
+
     def height(self, time: ArrayLike, delay: ArrayLike) -> Real:
         """Height of the seabed from a delay as registration left it.
 
@@ -174,3 +181,31 @@ class Geometry:
             2 * sonar.baseline
         )
         return height
+
+
+@compiled
+def _travel_times(
+    ground_range: Real, height: Real, altitude: float, baseline: float, sound_speed: float
+) -> tuple[Real, Real]:
+    time, time_secondary = np.empty(len(ground_range)), np.empty(len(ground_range))
+    for point in range(len(time)):
+        square, depression = ground_range[point] ** 2, altitude - height[point]
+        # Four times as fast as hypot, which is for numbers whose squares are out of range.
+        slant = math.sqrt(square + depression**2)
+        slant_secondary = math.sqrt(square + (depression + baseline) ** 2)
+        time[point] = 2 * slant / sound_speed
+        time_secondary[point] = (slant + slant_secondary) / sound_speed
+    return time, time_secondary
+
+
+@compiled
+def _left_delay(ground_range: Real, height: Real, altitude: float, baseline: float, sound_speed: float) -> Real:
+    left = np.empty(len(ground_range))
+    excess = baseline * (baseline + 2 * altitude)
+    for point in range(len(left)):
+        depression = altitude - height[point]
+        slant = math.sqrt(ground_range[point] ** 2 + depression**2)
+        slant_secondary = math.sqrt(ground_range[point] ** 2 + (depression + baseline) ** 2)
+        time_secondary = (slant + slant_secondary) / sound_speed
+        left[point] = time_secondary - 2 * slant / sound_speed - excess / (sound_speed**2 * time_secondary)
+    return left

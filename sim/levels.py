@@ -1,11 +1,15 @@
 """How strong the scatterers of a scene are: alike everywhere, or as sediment and sonar equation say."""
 
+import math
 from functools import lru_cache
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sim.band import Real
+from sim.catalogue import find
+from sim.compiled import compiled
 from sim.geometry import travel_times
 from sim.profile import Profile, SeabedPoints
 from sim.scattering import Model, scattering_strength
@@ -93,28 +97,70 @@ def level_of_sediment(scene: Scene, sonar: Sonar, profile: Profile, points: Seab
     profile, points, length
         Places on a section of the seabed, and the length that each stands for, `dl` [m].
     """
-    ground_range, height = profile.position(points)
-    depth = sonar.altitude - height
-    slant = np.sqrt(ground_range**2 + depth**2)
-    along, up = profile.along[points.segment], profile.up[points.segment]
-    sine = (along * depth + up * ground_range) / (profile.lengths[points.segment] * slant)
-    strength = _strength(scene.sediment, sine, sonar, scene.scattering)
-    for patch in scene.patches:
-        if patch.is_at(profile.along_track):
-            near, far = patch.ground_range
-            inside = (ground_range >= near) & (ground_range < far)
-            strength[inside] = _strength(patch.sediment, sine[inside], sonar, scene.scattering)
-    area = sonar.aperture.resolution * length
-    power: Real = strength * area * np.interp(depth / slant, SINES, _beams(sonar))
+    assert isinstance(scene.sediment, Sediment)
+    patches = [patch for patch in scene.patches if patch.is_at(profile.along_track)]
+    sediments = [scene.sediment, *(find(patch.sediment) for patch in patches)]
+    strengths = [_strengths(one, sonar.centre_frequency, sonar.sound_speed, scene.scattering) for one in sediments]
+    ends = np.array([[-np.inf, np.inf], *(patch.ground_range for patch in patches)])
+    return _power_of(
+        profile.ground_range, profile.height, *points, length, float(sonar.altitude), ends, np.array(strengths),
+        _beams(sonar) * sonar.aperture.resolution,
+    )  # fmt: skip
+
+
+@compiled
+def _power_of(
+    corner_range: Real,
+    corner_height: Real,
+    segments: NDArray[np.int64],
+    shares: Real,
+    lengths: Real,
+    altitude: float,
+    ends: Real,
+    strengths: Real,
+    beams: Real,
+) -> Real:
+    """Strength, from the table of the last sediment whose ends hold a point, times beam and length."""
+    power = np.empty(len(segments))
+    angle = depression = 0
+    last, long = -1, 0.0
+    for point in range(len(segments)):
+        segment, share = segments[point], shares[point]
+        near, low = corner_range[segment], corner_height[segment]
+        along, up = corner_range[segment + 1] - near, corner_height[segment + 1] - low
+        if segment != last:
+            last, long = segment, math.sqrt(along**2 + up**2)
+        ground_range, depth = near + share * along, altitude - (low + share * up)
+        slant = math.sqrt(ground_range**2 + depth**2)
+        sine = (along * depth + up * ground_range) / (long * slant)
+        sediment = 0
+        for patch in range(1, len(ends)):
+            if ends[patch, 0] <= ground_range < ends[patch, 1]:
+                sediment = patch
+        # Neighbours have much the same angles, so that the search starts where the last one ended.
+        angle = _place(sine, angle)
+        depression = _place(depth / slant, depression)
+        strength = _read(strengths[sediment], angle, sine)
+        power[point] = strength * _read(beams, depression, depth / slant) * lengths[point]
     return power
 
 
-def _strength(sediment: Sediment | str | None, sine: Real, sonar: Sonar, model: Model) -> Real:
-    """Backscatter per area of pieces of seabed, from the sine of the grazing angle; 0 where they are not lit."""
-    assert isinstance(sediment, Sediment)
-    table = _strengths(sediment, sonar.centre_frequency, sonar.sound_speed, model)
-    strength: Real = np.interp(sine, SINES, table)
-    return strength
+@compiled
+def _place(sine: float, last: int) -> int:
+    """The number of the last of `SINES` that is not above a sine, but for the last of all; `last` is near it."""
+    for place in (last, max(last - 1, 0), min(last + 1, len(SINES) - 2)):
+        if SINES[place] <= sine < SINES[place + 1]:
+            return place
+    return min(max(int(np.searchsorted(SINES, sine, "right")) - 1, 0), len(SINES) - 2)
+
+
+@compiled
+def _read(table: Real, place: int, sine: float) -> float:
+    """A table at a sine between two of `SINES`, and beyond the ends what is there."""
+    low, high = SINES[place], SINES[place + 1]
+    share = min(max((sine - low) / (high - low), 0.0), 1.0)
+    value: float = table[place] + share * (table[place + 1] - table[place])
+    return value
 
 
 @lru_cache(maxsize=64)

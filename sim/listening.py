@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from sim.band import Band, Complex, Real
-from sim.geometry import Geometry, plane_delay
+from sim.geometry import Geometry
 from sim.levels import range_gain
 from sim.plan import Plan
 from sim.registration import Resampling, registration
@@ -46,18 +46,17 @@ class Listening:
     @cached_property
     def recorded_carrier(self) -> Complex:
         """Factor that takes registered series to the carrier at which they were recorded, shape (samples,)."""
-        delay = plane_delay(self.sonar, self.plan.grid.times)
-        factor: Complex = np.exp(-2j * np.pi * self.sonar.centre_frequency * delay)
+        factor: Complex = self.registration.turn.conj()
         return factor
 
     @cached_property
     def gain(self) -> Real:
-        """Amplitude that echoes keep on their way, shape (samples,) or (1,)."""
+        """Amplitude that echoes keep on their way, shape (samples,)."""
         if self.scene.sediment is not None:
             return range_gain(self.sonar, self.plan.grid.times)
         if isinstance(self.snr, SnrProfile):
             return self.floor(self.plan.grid.times)
-        return np.ones(1)
+        return np.ones(self.plan.grid.samples)
 
     def floor(self, time: Real) -> Real:
         """Amplitude of the flat floor that a profile says at times at the primary [s], of their shape; 1 without."""

@@ -35,6 +35,11 @@ def read_pair(path: str | Path) -> EchoPair:
     path
         A netCDF-4, HDF5 or npz file; which one, its content says.
 
+    Returns
+    -------
+    EchoPair
+        With its geometry, where the file has it.
+
     Raises
     ------
     ValueError
@@ -52,7 +57,23 @@ def read_pair(path: str | Path) -> EchoPair:
 
 @contextmanager
 def open_pair(path: str | Path) -> "Iterator[PairFile]":
-    """Open a file, checked but for its samples; errors as of `read_pair`."""
+    """Open a file, checked but for its samples, to read rows of it while the context lasts.
+
+    Parameters
+    ----------
+    path
+        As for `read_pair`.
+
+    Yields
+    ------
+    PairFile
+        Closed with the context.
+
+    Raises
+    ------
+    ValueError, ImportError, OSError
+        As `read_pair`, in the context too.
+    """
     path = Path(path)
     try:
         with _stored(path) as stored:
@@ -104,7 +125,7 @@ class PairFile:
 
     @cached_property
     def geometry(self) -> Geometry | None:
-        """Where the series were recorded; None where the file does not say it."""
+        """Where the series were recorded; None where the file does not say it, ValueError where it says a part."""
         there = [name for name in PLACED if name in self.stored]
         if not there:
             return None

@@ -18,6 +18,13 @@ def write_pair(pair: EchoPair, path: str | Path) -> None:
     likelihood ratios and what of the sonar does not place the pair are not written; a record that is periodic is
     written as one that is not.
 
+    Parameters
+    ----------
+    pair
+        What is written.
+    path
+        Where to; its end says as what.
+
     Raises
     ------
     ValueError

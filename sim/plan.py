@@ -8,6 +8,7 @@ import numpy as np
 from sim import checks
 from sim.along_track import AlongTrack
 from sim.band import TimeGrid
+from sim.costs import costs
 from sim.levels import Level
 from sim.scene import Scene
 from sim.snr_profile import SnrProfile
@@ -21,26 +22,16 @@ Delays = Literal["scatterers", "warp"]
 OVERSAMPLING = 4 / 3
 """Samples in `1 / B`, unless the band shifts further."""
 
-SECONDS: dict[str, float] = {
-    "corner": 150e-9,
-    "seen": 60e-9,
-    "level": 60e-9,
-    "scatterer": 110e-9,
-    "drawn": 40e-9,
-    "warped": 150e-9,
-    "noise": 100e-9,
-    "cut": 40e-9,
-    "filtered": 8e-9,
-}
-"""Time of one core for a corner of a section, a part of the seabed that is heard, a scatterer at both receivers, a
-complex random number, a sample of a type-2 transform, a sample of noise and its transforms, and a sample and row of the
-along-track filter: measured by `benchmarks/simulator.py` on one core of a shared server at 2.5 GHz; others differ."""
-
 
 class Decision(NamedTuple):
     """One thing that a plan decides: what is chosen, why, and what it costs.
 
-    `seconds` on one core and `bytes` at once for all rows, as estimated before running.
+    Attributes
+    ----------
+    name, choice, reason
+        A field of `Plan`, what it is, and why.
+    seconds, bytes
+        Time on one core [s] and memory at once [bytes] for all rows, as estimated before running.
     """
 
     name: str
@@ -73,9 +64,10 @@ class Plan:
         Scatterers in a length `c / (2 B)` of seabed, at least 1. Speckle is Gaussian at any density; the mean power is
         uneven by .39, .16, .058, .021 and .007 with 1, 2, 4, 8 and 16.
     accuracy
-        Relative accuracy asked of the non-uniform transforms, 1e-14 to 1e-2. Against 1e-14 the series of a furrowed
-        floor are off by 5e-13 and 7e-13 (primary, secondary) at 1e-12, 1.0e-7 and 1.5e-7 at 2e-7, 5e-7 and 7e-7 at
-        1e-6, 4e-5 and 6e-5 at 1e-4, 3e-3 and 5e-3 at 1e-2, as root mean square over root mean square.
+        Relative accuracy asked of the non-uniform transforms, 1e-14 to 1e-2; what turns the carrier by less is not
+        moved. Against 1e-14 the series of a furrowed floor are off by 4.6e-13 and 6.6e-13 (primary, secondary) at
+        1e-12, 4e-8 and 1.1e-7 at 2e-7, 4e-7 and 6e-7 at 1e-6, 4e-5 and 6e-5 at 1e-4, 3e-3 and 5e-3 at 1e-2, as root
+        mean square over root mean square.
     single
         Whether series come as complex64, half as large and off by 2.5e-8. They are computed in double precision:
         a transform in single precision is off by 1.3e-3, since places lose their last digits.
@@ -128,10 +120,7 @@ def plan(
 ) -> Plan:
     """Find out what a scene requires of its simulation, and what that will cost.
 
-    A shortcut is taken where a look at the section of every row shows that it may be (`sim.survey`). The spread of a
-    phase goes with the root of what coherence lacks of 1, so that leaving out the decorrelation of the baseline, a part
-    `p` of that, makes the spread smaller by `p / 2`. So many scatterers are taken that the mean power is even within
-    the tolerance: at `n` in a resolution it scatters by about `.46 n^-1.5` (`Plan`).
+    A shortcut is taken where a look at the section of every row shows that it may be (`sim.survey`).
 
     Parameters
     ----------
@@ -164,29 +153,34 @@ def plan(
     """
     checks.count("rows", rows)
     checks.within("tolerance", tolerance, 1e-6, 0.5)
-    highest = scene.heights[1]
-    if sonar.altitude <= highest:
-        raise ValueError(
-            f"altitude is {sonar.altitude:g} m; it must be above the highest point of the scene, {highest:g} m"
-        )
-    spacing = sonar.aperture.resolution if row_spacing is None else row_spacing
-    along_track = AlongTrack(spacing, sonar.aperture.resolution)
-    beyond = along_track.halo
-    numbers = range(1) if scene.uniform else range(first_row - beyond, first_row + rows + beyond)
-    seen = survey(scene, sonar, (number * spacing for number in numbers), snr)
+    _check_altitude(scene, sonar)
+    resolution = sonar.aperture.resolution
+    along_track = AlongTrack(resolution if row_spacing is None else row_spacing, resolution)
+    numbers = range(1) if scene.uniform else range(first_row - along_track.halo, first_row + rows + along_track.halo)
+    seen = survey(scene, sonar, (number * along_track.spacing for number in numbers), snr)
     rate = _sample_rate(scene, sonar, sample_spacing)
     required = _required(scene, sonar, tolerance, seen, rate, chosen.get("delays"))
     required["along_track"] = along_track, "distance of rows, and the resolution of the aperture"
     for name in chosen:
         checks.one_of("decision", name, sorted(required))
-    values = {name: chosen.get(name, choice) for name, (choice, _) in required.items()}
-    made = _checked(Plan(**values), scene)
-    costs = _costs(scene, sonar, made, rows, seen.corners)
+    made = _checked(Plan(**{name: chosen.get(name, choice) for name, (choice, _) in required.items()}), scene)
+    reasons = {name: "as asked for" if name in chosen else reason for name, (_, reason) in required.items()}
+    return _decided(made, reasons, costs(scene, sonar, made, rows, seen.corners))
+
+
+def _decided(made: Plan, reasons: dict[str, str], cost: dict[str, tuple[float, float]]) -> Plan:
     decisions = (
-        Decision(name, values[name], "as asked for" if name in chosen else reason, *costs.get(name, (0.0, 0.0)))
-        for name, (_, reason) in required.items()
+        Decision(name, getattr(made, name), reason, *cost.get(name, (0.0, 0.0))) for name, reason in reasons.items()
     )
     return replace(made, decisions=tuple(decisions))
+
+
+def _check_altitude(scene: Scene, sonar: Sonar) -> None:
+    highest = scene.heights[1]
+    if sonar.altitude <= highest:
+        raise ValueError(
+            f"altitude is {sonar.altitude:g} m; it must be above the highest point of the scene, {highest:g} m"
+        )
 
 
 def _sample_rate(scene: Scene, sonar: Sonar, spacing: float | None) -> float:
@@ -207,7 +201,12 @@ def _sample_rate(scene: Scene, sonar: Sonar, spacing: float | None) -> float:
 def _required(
     scene: Scene, sonar: Sonar, tolerance: float, seen: Survey, rate: float, delays: Delays | None
 ) -> dict[str, tuple[Any, str]]:
-    """Choice and reason of every decision."""
+    """Choice and reason of every decision.
+
+    The spread of a phase goes with the root of what coherence lacks of 1, so that leaving out the decorrelation of the
+    baseline, a part `p` of that, makes the spread smaller by `p / 2`. So many scatterers are taken that the mean power
+    is even within the tolerance: at `n` in a resolution it scatters by about `.46 n^-1.5` (`Plan`).
+    """
     needed = seen.overlaid or seen.shift > (min(rate / sonar.bandwidth, OVERSAMPLING) - 1) / 2
     scatterers = needed if delays is None else delays == "scatterers"
     dense = max(1.0, float(np.round((0.46 / tolerance) ** (2 / 3))))
@@ -255,26 +254,3 @@ def _checked(made: Plan, scene: Scene) -> Plan:
         level = "even for a scene without sediment" if scene.sediment is None else "flat or local for a sediment"
         raise ValueError(f"level is {made.level!r}; it must be {level}")
     return made
-
-
-def _costs(scene: Scene, sonar: Sonar, made: Plan, rows: int, corners: int) -> dict[str, tuple[float, float]]:
-    """Seconds and bytes of every decision that costs some, for all rows at once."""
-    raw, samples = rows + 2 * made.along_track.halo, made.grid.samples
-    sections = raw if made.sections == "each" else 1
-    scatterers = np.diff(scene.ground_range)[0] / sonar.range_resolution * made.scatterers_per_resolution
-    number, series = (8, 8 * samples * raw) if made.single else (16, 16 * samples * raw)
-    if made.delays == "scatterers":
-        echoes = raw * (scatterers * SECONDS["scatterer"] + samples * SECONDS["warped"]), raw * scatterers * 3 * number
-        parts = scatterers
-    else:
-        echoes = raw * samples * (SECONDS["drawn"] + SECONDS["warped"]), 3.0 * series
-        parts = samples
-    return {
-        "sections": (sections * corners * SECONDS["corner"], sections * samples * 35.0),
-        "shadow": (sections * parts * SECONDS["seen"] if made.shadow else 0.0, 0.0),
-        "delays": echoes,
-        "baseline": (raw * samples * SECONDS["cut"] if made.baseline and made.delays == "warp" else 0.0, 0.0),
-        "level": (sections * parts * SECONDS["level"] if made.level != "even" else 0.0, 0.0),
-        "along_track": (rows * samples * (2 * made.along_track.halo + 1) * SECONDS["filtered"], 2.0 * series),
-        "grid": (raw * samples * SECONDS["noise"], 2.0 * series),
-    }

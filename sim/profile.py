@@ -1,5 +1,6 @@
 """A section through a scene, and points on it."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -8,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.band import Real
+from sim.compiled import compiled
 
 
 class SeabedPoints(NamedTuple):
@@ -54,18 +56,35 @@ class Profile:
 
     def position(self, points: SeabedPoints) -> tuple[Real, Real]:
         """Ground range and height of points [m]."""
-        segment, share = points
-        return (
-            self.ground_range[segment] + share * self.along[segment],
-            self.height[segment] + share * self.up[segment],
-        )
+        return _position(self.ground_range, self.height, *points)
 
     def closing(self, points: SeabedPoints, altitude: float) -> Real:
         """Growth of the slant range from ground range 0 at an altitude [m] along the outline, `dr / dl`, -1 to 1."""
-        ground_range, height = self.position(points)
-        depth = altitude - height
-        along, up = self.along[points.segment], self.up[points.segment]
-        growth: Real = (along * ground_range - up * depth) / (
-            self.lengths[points.segment] * np.sqrt(ground_range**2 + depth**2)
+        return _closing(self.ground_range, self.height, *points, float(altitude))
+
+
+@compiled
+def _position(corner_range: Real, corner_height: Real, segments: NDArray[np.int64], shares: Real) -> tuple[Real, Real]:
+    ground_range, height = np.empty(len(segments)), np.empty(len(segments))
+    for point in range(len(segments)):
+        segment, share = segments[point], shares[point]
+        near, low = corner_range[segment], corner_height[segment]
+        ground_range[point] = near + share * (corner_range[segment + 1] - near)
+        height[point] = low + share * (corner_height[segment + 1] - low)
+    return ground_range, height
+
+
+@compiled
+def _closing(
+    corner_range: Real, corner_height: Real, segments: NDArray[np.int64], shares: Real, altitude: float
+) -> Real:
+    growth = np.empty(len(segments))
+    for point in range(len(segments)):
+        segment, share = segments[point], shares[point]
+        near, low = corner_range[segment], corner_height[segment]
+        along, up = corner_range[segment + 1] - near, corner_height[segment + 1] - low
+        ground_range, depth = near + share * along, altitude - (low + share * up)
+        growth[point] = (along * ground_range - up * depth) / math.sqrt(
+            (along**2 + up**2) * (ground_range**2 + depth**2)
         )
-        return growth
+    return growth

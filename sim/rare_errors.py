@@ -19,7 +19,10 @@ class RareErrors(Protocol):
     """A kind of error."""
 
     def preferences(self, band: Band, centre_frequency: float, coherence: float) -> Complex:
-        """`v` of each rival in each Fourier bin, shape (rival, bin), with `sum_k Re{v_k} >= 0`."""
+        """`v` of each rival in each Fourier bin, shape (rival, bin), with `sum_k Re{v_k} >= 0`.
+
+        The band has a centre frequency [Hz], and the two series a coherence magnitude, 0 to 1.
+        """
 
 
 def preference(turns: Real) -> Complex:
@@ -44,6 +47,11 @@ class DelayErrors:
         better by up to three times in standard error.
     frequencies
         How many `f0`: all bins, or as many evenly over the band where there are more bins.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits.
     """
 
     wraps: tuple[float, ...] = (1.0, 1.25, 1.5, 1.75, 2.0)
@@ -57,7 +65,7 @@ class DelayErrors:
         checks.count("frequencies", self.frequencies)
 
     def preferences(self, band: Band, centre_frequency: float, coherence: float) -> Complex:
-        """As `RareErrors.preferences`."""
+        """As `RareErrors.preferences`: for a centre frequency [Hz] and a coherence, shape (rival, bin)."""
         bins = band.frequencies
         agreeing = bins if bins.size <= self.frequencies else np.linspace(bins[0], bins[-1], self.frequencies)
         once = 2 * np.pi / centre_frequency * (bins - agreeing[:, None])
@@ -77,6 +85,11 @@ class SubBandErrors:
         `b` [Hz], at most `B / 2`; `B / 3` where None, as of the estimator.
     divisions
         How many `u`.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits.
     """
 
     sub_bandwidth: float | None = None
@@ -88,7 +101,7 @@ class SubBandErrors:
         checks.count("divisions", self.divisions)
 
     def preferences(self, band: Band, centre_frequency: float, coherence: float) -> Complex:
-        """As `RareErrors.preferences`; ValueError where the sub-bands overlap."""
+        """For a centre frequency [Hz] and a coherence, shape (rival, bin); ValueError where the sub-bands overlap."""
         width = band.bandwidth / 3 if self.sub_bandwidth is None else self.sub_bandwidth
         checks.within("sub_bandwidth", width, 0.0, band.bandwidth / 2, "Hz")
         side = np.sign(band.frequencies) * (np.abs(band.frequencies) > band.bandwidth / 2 - width)
@@ -112,6 +125,11 @@ class PhaseErrors:
     ----------
     delay
         The true delay [s], the same in all rows, within half a wrap of zero.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits, or not finite.
     """
 
     delay: float
@@ -120,7 +138,7 @@ class PhaseErrors:
         checks.finite("delay", self.delay, "s")
 
     def preferences(self, band: Band, centre_frequency: float, coherence: float) -> Complex:
-        """As `RareErrors.preferences`; ValueError for a delay beyond half a wrap."""
+        """For a centre frequency [Hz] and a coherence, shape (1, bin); ValueError for a delay beyond half a wrap."""
         half_wrap = 0.5 / centre_frequency
         delay = abs(checks.within("delay", self.delay, -half_wrap, half_wrap, "s"))
         beta = max(2 * np.pi * centre_frequency * delay - np.pi / 2, 0.0) + 2 * np.pi * band.frequencies * delay

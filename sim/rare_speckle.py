@@ -1,4 +1,24 @@
-"""Homogeneous patches of speckle in which rare delay errors are frequent, each row with its likelihood ratio."""
+"""Homogeneous patches of speckle in which rare delay errors are frequent, each row with its likelihood ratio.
+
+With the symbols of `rare_speckle_pair`: by `M = prod_k F_k`, the mean of `exp(-s T)` in nature, the rival wins with at
+most that probability (Chernoff).
+Rivals of a kind are drawn in proportion to their M, each of the n kinds as often as the others, and a row is by
+
+    w = 1 / (a + (1 - a) / n  sum_kinds (sum_rivals exp(-s T)) / (sum_rivals M))
+
+more likely in nature than drawn here. So `w <= 1 / a` everywhere (a defensive mixture, Owen and Zhou 2000), and
+`w <= n sum(M) / (1 - a)` wherever any rival of a kind wins. The rate of any error is the mean of `w * wrong` over
+the rows, without bias, and its standard error that of a mean; the effective number of errors seen is
+`sum(w * wrong)^2 / sum((w * wrong)^2)`.
+
+Measured with 20,000 rows at rates of 1e-6 and 1e-8, from 9 to 243 looks and B / fc of .1 to .6: standard errors of
+2 to 6 % of the rate for every estimator with its kind of error, and decisions between two delays down to 1e-10
+agree with their exact probabilities. Common rates cost no more rows than plain speckle does, at most `1 / a` times
+as many. Limits: errors that no rival stands for, such as those of a coarse interpolation or of a climb to the
+nearest peak in bands of B / fc above 1, have weights up to `1 / a`, and one such row can make up most of the rate:
+look at the effective number (3 looks at 1e-6 are not reached). Windows much shorter than the record, which see few
+of its bins, gain little; a window of several rows has no ratio.
+"""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -40,24 +60,6 @@ def rare_speckle_pair(
 
         S_k = (gamma (1 - v_k* / 2) P_k + sqrt(1 - gamma^2) W_k) exp(-2 pi i (fc + f_k) tau),
         |P_k|^2 ~ F_k = 1 / (1 + q (Re v_k - |v_k|^2 / 4)),    q = gamma^2 / (1 - gamma^2).
-
-    By `M = prod_k F_k`, the mean of `exp(-s T)` in nature, the rival wins with at most that probability (Chernoff).
-    Rivals of a kind are drawn in proportion to their M, each of the n kinds as often as the others, and a row is by
-
-        w = 1 / (a + (1 - a) / n  sum_kinds (sum_rivals exp(-s T)) / (sum_rivals M))
-
-    more likely in nature than drawn here. So `w <= 1 / a` everywhere (a defensive mixture, Owen and Zhou 2000), and
-    `w <= n sum(M) / (1 - a)` wherever any rival of a kind wins. The rate of any error is the mean of `w * wrong` over
-    the rows, without bias, and its standard error that of a mean; the effective number of errors seen is
-    `sum(w * wrong)^2 / sum((w * wrong)^2)`.
-
-    Measured with 20,000 rows at rates of 1e-6 and 1e-8, from 9 to 243 looks and B / fc of .1 to .6: standard errors of
-    2 to 6 % of the rate for every estimator with its kind of error, and decisions between two delays down to 1e-10
-    agree with their exact probabilities. Common rates cost no more rows than plain speckle does, at most `1 / a` times
-    as many. Limits: errors that no rival stands for, such as those of a coarse interpolation or of a climb to the
-    nearest peak in bands of B / fc above 1, have weights up to `1 / a`, and one such row can make up most of the rate:
-    look at the effective number (3 looks at 1e-6 are not reached). Windows much shorter than the record, which see few
-    of its bins, gain little; a window of several rows has no ratio.
 
     Parameters
     ----------

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from functools import cached_property
 
-import finufft
 import numpy as np
 
 from sim.band import Band, Complex, Real
 from sim.geometry import plane_delay
 from sim.sonar import Sonar
+from sim.transforms import to_series
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,8 @@ class Resampling:
     accuracy: float = 1e-12
 
     @cached_property
-    def _turn(self) -> Complex:
+    def turn(self) -> Complex:
+        """What the carrier does to the envelope, `exp(-2 pi i fc delay)`, shape (samples,)."""
         turn: Complex = np.exp(-2j * np.pi * self.centre_frequency * self.delay)
         return turn
 
@@ -46,11 +47,14 @@ class Resampling:
         phase: Real = (grid.times - self.delay - grid.start) * (2 * np.pi / grid.period)
         return phase
 
+    def envelope(self, spectrum: Complex) -> Complex:
+        """The resampled envelope of spectra, which no carrier turns yet; from shape (rows, bins) to (rows, samples)."""
+        return to_series(self._phase, spectrum, self.accuracy)
+
     def series(self, spectrum: Complex) -> Complex:
         """The resampled series of spectra, from shape (rows, bins) to (rows, samples)."""
-        series = finufft.nufft1d2(self._phase, spectrum, eps=self.accuracy, isign=1, nthreads=1)
-        resampled: Complex = np.atleast_2d(series)
-        resampled *= self._turn
+        resampled = self.envelope(spectrum)
+        resampled *= self.turn
         return resampled
 
 

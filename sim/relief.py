@@ -117,6 +117,11 @@ class Roughness:
         Longest wavelength [m].
     spacing
         Distance of nodes, half the shortest wavelength [m]; a period holds a whole number of them, 2 to 4096.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits.
     """
 
     rms: float

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from sim import checks
 from sim.band import Real
 from sim.catalogue import find
-from sim.features import EVERYWHERE, Box, Feature, Outline, Wedge
+from sim.compiled import compiled
+from sim.features import EVERYWHERE, Box, Feature, Wedge
 from sim.profile import Profile
 from sim.scattering import Model
 from sim.sediment import Sediment
@@ -28,6 +29,11 @@ class SedimentPatch:
         A sediment, or the name of one in `SEDIMENTS`.
     along_track
         Where it begins and ends along track [m]; without end by default.
+
+    Raises
+    ------
+    ValueError
+        For an unknown sediment, and where it ends before it begins.
     """
 
     ground_range: tuple[float, float]
@@ -36,7 +42,8 @@ class SedimentPatch:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "sediment", find(self.sediment))
-        for name, (first, last) in (("ground_range", self.ground_range), ("along_track", self.along_track)):
+        for name in ("ground_range", "along_track"):
+            first, last = checks.ends(name, getattr(self, name), "m")
             if not first < last:
                 raise ValueError(f"{name} is ({first:g}, {last:g}) m; it must begin before it ends")
 
@@ -57,6 +64,11 @@ class PointTarget:
         Power at its peak, over that of the flat floor (a scene without sediment) or of the noise (one with) [dB].
     along_track
         Where it lies along track [m].
+
+    Raises
+    ------
+    ValueError
+        For a place at or before 0 m, and numbers that are not finite.
     """
 
     ground_range: float
@@ -96,8 +108,8 @@ class Scene:
     Raises
     ------
     ValueError
-        For ends out of order, boxes, slopes or steps that reach beyond the floor, an unknown sediment or model, and
-        for patches in a scene without sediment.
+        For ends out of order, boxes, slopes or steps that reach beyond the floor, patches beside it, an unknown
+        sediment or model, and for patches in a scene without sediment.
     """
 
     ground_range: tuple[float, float]
@@ -109,7 +121,9 @@ class Scene:
     speckle_shape: float = np.inf
 
     def __post_init__(self) -> None:
-        near, far = (checks.positive("ground_range", end, "m") for end in self.ground_range)
+        near, far = (
+            checks.positive("ground_range", end, "m") for end in checks.ends("ground_range", self.ground_range, "m")
+        )
         if near >= far:
             raise ValueError(f"ground_range is ({near:g}, {far:g}) m; its near end must come before its far end")
         for name in ("features", "patches", "targets"):
@@ -125,7 +139,13 @@ class Scene:
             object.__setattr__(self, "sediment", find(self.sediment))
         elif self.patches:
             raise ValueError("a scene without sediment has patches; it must have a sediment around them")
-        if not self.speckle_shape > 0:
+        for patch in self.patches:
+            first, last = patch.ground_range
+            if last <= near or first >= far:
+                raise ValueError(
+                    f"a patch from {first:g} to {last:g} m leaves the scene; it must lie between {near:g} and {far:g} m"
+                )
+        if not checks.number("speckle_shape", self.speckle_shape) > 0:
             raise ValueError(f"speckle_shape is {self.speckle_shape:g}; it must be above 0")
 
     @property
@@ -149,28 +169,47 @@ class Scene:
         """Its section at a place along track [m]."""
         near, far = self.ground_range
         outlines = [feature.outline(along_track, self.ground_range) for feature in self.features]
-        corners = [np.array([near, far], dtype=float), *(ground_range for ground_range, _ in outlines)]
-        walls = [ground_range[1:][np.diff(ground_range) == 0] for ground_range, _ in outlines]
-        once = np.unique(np.clip(np.concatenate(corners), near, far))
-        twice = np.unique(np.concatenate([once[:0], *walls]))
-        twice = twice[(twice >= near) & (twice <= far)]
-        ground_range = np.sort(np.concatenate([once, twice]))
-        # The first corner at a wall is its near side.
-        far_side = np.append(False, np.diff(ground_range) == 0)
+        places = np.concatenate([np.array([near, far], dtype=np.float64), *(corners for corners, _ in outlines)])
+        of_outline = np.repeat(np.arange(len(outlines) + 1), [2, *(len(corners) for corners, _ in outlines)])
+        ground_range = _corners(places, of_outline, float(near), float(far))
         height = np.zeros(len(ground_range))
-        for outline in outlines:
-            height += _height(outline, ground_range, far_side)
+        for corners, heights in outlines:
+            _raise(height, ground_range, corners, heights)
         return Profile(ground_range, height, along_track)
 
 
-def _height(outline: Outline, ground_range: Real, far_side: NDArray[np.bool_]) -> Real:
-    """Height of an outline, on the near or the far side of its walls."""
-    corners, heights = outline
-    after = np.where(
-        far_side, np.searchsorted(corners, ground_range, "right"), np.searchsorted(corners, ground_range, "left")
-    )
-    before, after = np.maximum(after - 1, 0), np.minimum(after, len(corners) - 1)
-    length = corners[after] - corners[before]
-    share = np.divide(ground_range - corners[before], length, out=np.zeros_like(ground_range), where=length > 0)
-    height: Real = heights[before] + share * (heights[after] - heights[before])
-    return height
+@compiled
+def _corners(places: Real, of_outline: NDArray[np.int64], near: float, far: float) -> Real:
+    """All places within the ends in their order, once, and twice where an outline has a wall."""
+    order = np.argsort(places, kind="mergesort")
+    corners, count, last = np.empty(2 * len(places)), 0, -np.inf
+    walled = False
+    for number in range(len(order)):
+        corner = order[number]
+        place = places[corner]
+        within = min(max(place, near), far)
+        if within != last:
+            corners[count], last, walled = within, within, False
+            count += 1
+        wall = corner > 0 and of_outline[corner] == of_outline[corner - 1] and places[corner - 1] == place
+        if wall and not walled and near <= place <= far:
+            corners[count], walled = within, True
+            count += 1
+    return corners[:count]
+
+
+@compiled
+def _raise(height: Real, ground_range: Real, corners: Real, heights: Real) -> None:
+    """Add the height of an outline at places in their order, on the near side of its walls first, then on the far."""
+    for place in range(len(ground_range)):
+        far_side = place > 0 and ground_range[place] == ground_range[place - 1]
+        # On the far side of a wall its corners lie before, on the near side after.
+        after = (
+            np.searchsorted(corners, ground_range[place], "right")
+            if far_side
+            else np.searchsorted(corners, ground_range[place], "left")
+        )
+        before, after = max(after - 1, 0), min(after, len(corners) - 1)
+        length = corners[after] - corners[before]
+        share = (ground_range[place] - corners[before]) / length if length > 0 else 0.0
+        height[place] += heights[before] + share * (heights[after] - heights[before])

@@ -29,7 +29,12 @@ class FluidBed:
     spectral_strength_cm4
         `w2` with `h0` = 1 cm [cm^4].
     grain_size_phi
-        Mean grain size, `-log2` of the diameter in mm; None where it is unknown. No model reads it.
+        Mean grain size [phi], `-log2` of the diameter in mm; None where it is unknown. No model reads it.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits.
     """
 
     density_ratio: float
@@ -72,6 +77,11 @@ class ElasticBed:
         `g3` and `w3` of the spectrum of the relative fluctuations, `w3 K^-g3`, for K in 1/m.
     density_fluctuation, compressional_speed_fluctuation, shear_speed_fluctuation
         Relative fluctuations, fully correlated, in units of the one that `w3` describes.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits.
     """
 
     density_ratio: float

@@ -1,28 +1,29 @@
 """From a scene and a sonar to a registered pair of echoes."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
+from numpy.typing import NDArray
 
 from sim import checks
 from sim.band import Complex
+from sim.costs import DIFFERENT, SAME
 from sim.echo_pair import EchoPair, Truth
 from sim.echoes import scatterer_spectra
-from sim.heard import Heard, heard_at
+from sim.heard import heard_at
 from sim.listening import Listening
+from sim.passes import recorded
 from sim.plan import Plan, plan
-from sim.profile import Profile
 from sim.scene import Scene
+from sim.section import Section
 from sim.snr_profile import SnrProfile
 from sim.sonar import Sonar
 from sim.streams import Streams, Use
 from sim.targets import add_targets
 from sim.truth import stacked, truth, truth_in_order
 from sim.warp import warped_series
-
-BATCH = 16
-"""Rows of one section that are transformed together."""
 
 
 def simulate(
@@ -159,13 +160,14 @@ def _block(listening: Listening, numbers: range, streams: Streams) -> EchoPair:
     raw = range(numbers.start - halo, numbers.stop + halo)
     series = np.empty((2, len(raw), plan.grid.samples), dtype=np.complex64 if plan.single else np.complex128)
     truths: list[Truth] = []
-    for some, profile in _sections(listening, raw):
-        inside = slice(some.start - raw.start, some.stop - raw.start)
-        heard = heard_at(profile, listening.sonar, plan.grid.times, listening.sonar.altitude, shadow=plan.shadow)
-        series[0, inside], series[1, inside] = _received(listening, profile, heard, some, streams)
-        if some.start in numbers or (plan.sections == "one" and not truths):
-            found = truth_in_order if plan.delays == "warp" and not plan.shadow else truth
-            truths.append(found(profile, listening.geometry, plan.grid.times, heard))
+    for some, sections in _batches(listening, raw):
+        _receive(listening, sections, some, streams, series[:, some.start - raw.start : some.stop - raw.start])
+        found = truth_in_order if plan.delays == "warp" and not plan.shadow else truth
+        truths += [
+            found(section.profile, listening.geometry, plan.grid.times, section.heard)
+            for row, section in zip(some, sections, strict=False)
+            if row in numbers or (plan.sections == "one" and not truths)
+        ]
     primary, secondary = (plan.along_track.gather(channel) for channel in series)
     add_targets(primary, secondary, listening, numbers)
     return EchoPair(
@@ -182,38 +184,50 @@ def _block(listening: Listening, numbers: range, streams: Streams) -> EchoPair:
     )
 
 
-def _sections(listening: Listening, rows: range) -> Iterator[tuple[range, Profile]]:
-    """Rows that have one section, and the section; no more of them than are transformed together."""
-    if listening.plan.sections == "one":
-        profile = listening.scene.profile()
-        for start in range(rows.start, rows.stop, BATCH):
-            yield range(start, min(start + BATCH, rows.stop)), profile
-        return
-    for row in rows:
-        yield range(row, row + 1), listening.scene.profile(row * listening.plan.along_track.spacing)
+def _batches(listening: Listening, rows: range) -> Iterator[tuple[range, list[Section]]]:
+    """Rows that are transformed together, and the one section that all have, or each its own."""
+    plan, sonar = listening.plan, listening.sonar
+
+    def section(row: int) -> Section:
+        profile = listening.scene.profile(row * plan.along_track.spacing)
+        return Section(profile, heard_at(profile, sonar, plan.grid.times, sonar.altitude, shadow=plan.shadow))
+
+    only, most = ([section(0)], SAME) if plan.sections == "one" else ([], DIFFERENT)
+    for start in range(rows.start, rows.stop, most):
+        some = range(start, min(start + most, rows.stop))
+        yield some, only or [section(row) for row in some]
 
 
-def _received(
-    listening: Listening, profile: Profile, heard: Heard, rows: range, streams: Streams
-) -> tuple[Complex, Complex]:
-    """Registered series of rows with one section, echoes and noise."""
-    band = listening.band
+def _receive(
+    listening: Listening, sections: list[Section], rows: range, streams: Streams, series: NDArray[Any]
+) -> None:
+    """Write registered series of rows, echoes and noise, to an array of shape (2, rows, samples)."""
+    band, gain = listening.band, listening.gain
     warps = listening.plan.delays == "warp"
-    if warps:
-        primary, secondary = warped_series(listening, profile, heard, rows, streams)
-    else:
-        spectra = scatterer_spectra(listening, profile, rows, streams)
-        primary, secondary = band.series(spectra[0]), listening.registration.series(spectra[1])
-    primary *= listening.gain
-    secondary *= listening.gain
+    echoes = (
+        warped_series(listening, sections, rows, streams) if warps else _scattered(listening, sections, rows, streams)
+    )
     if listening.noise > 0:
-        drawn = streams.gaussian(Use.NOISE, rows, 2 * band.harmonics.size).reshape(len(rows), 2, -1)
-        drawn *= listening.noise * np.sqrt(band.weights / band.weights.sum())
-        primary += band.series(drawn[:, 0])
+        amplitude = listening.noise * np.sqrt(band.weights / band.weights.sum())
+        drawn = streams.gaussian(Use.NOISE, rows, np.tile(amplitude, 2)).reshape(len(rows), 2, -1)
+        below, above = np.ascontiguousarray(drawn.swapaxes(0, 1))
         # Beside a warp it is registered but for the stretch of time, as the echoes are.
-        secondary += (
-            band.series(drawn[:, 1]) * listening.recorded_carrier.conj()
-            if warps
-            else listening.registration.series(np.ascontiguousarray(drawn[:, 1]))
-        )
-    return primary, secondary
+        noises = band.series(below), band.series(above) if warps else listening.registration.envelope(above)
+    else:
+        noises = (np.zeros((len(rows), gain.size), dtype=np.complex128),) * 2
+    turns = np.ones(gain.size, dtype=np.complex128), listening.registration.turn
+    for channel, of_receiver in zip(series, zip(echoes, noises, turns, strict=True), strict=True):
+        echo, noise, turn = of_receiver
+        for row in range(len(rows)):
+            recorded(echo[row], gain, noise[row], turn, channel[row])
+
+
+def _scattered(listening: Listening, sections: list[Section], rows: range, streams: Streams) -> tuple[Complex, Complex]:
+    """Noise-free series of scatterers in rows at both receivers, the secondary before the carrier turns it."""
+    alike = [rows] if len(sections) == 1 else [range(row, row + 1) for row in rows]
+    spectra = [
+        scatterer_spectra(listening, section.profile, some, streams)
+        for section, some in zip(sections, alike, strict=True)
+    ]
+    below, above = (np.concatenate(channel) for channel in zip(*spectra, strict=True))
+    return listening.band.series(below), listening.registration.envelope(above)

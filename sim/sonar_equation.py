@@ -23,15 +23,15 @@ class SonarEquation:
     grazing_angle
         Between ray and seabed [degrees].
     source_level, transmit_beam, receive_beam
-        Source level [dB re 1 uPa at 1 m] and beams relative to their axes.
+        Source level [dB re 1 uPa at 1 m] and beams relative to their axes [dB].
     spreading, absorption
-        Two-way losses, above 0: `40 log10 r` and `2 alpha r`.
+        Two-way losses, above 0: `40 log10 r` and `2 alpha r` [dB].
     scattering_strength, area
-        Strength of the seabed, and `10 log10` of the area that answers at once [m^2].
+        Strength of the seabed [dB], and `10 log10` of the area that answers at once [dB re 1 m^2].
     noise_level
-        In the band, less the directivity index: `NSL + 10 log10 B - DI`.
+        In the band, less the directivity index: `NSL + 10 log10 B - DI` [dB re 1 uPa].
     pulse_gain, aperture_gain
-        Of matched filtering, `10 log10(B T)`, and of the synthetic aperture, `10 log10 N_pc`.
+        Of matched filtering, `10 log10(B T)`, and of the synthetic aperture, `10 log10 N_pc` [dB].
     """
 
     slant_range: Real
@@ -62,7 +62,23 @@ class SonarEquation:
 
 
 def snr(sonar: Sonar, sediment: Sediment | str, ground_range: ArrayLike, *, model: Model = "small-slope") -> Real:
-    """Signal-to-noise ratio of a flat seabed at one receiver [dB]: `sonar_equation(...).snr`."""
+    """Signal-to-noise ratio of a flat seabed at one receiver: `sonar_equation(...).snr`.
+
+    Parameters
+    ----------
+    sonar, sediment, ground_range, model
+        As for `sonar_equation`; ranges [m] of any shape.
+
+    Returns
+    -------
+    array
+        [dB], of the shape of `ground_range`.
+
+    Raises
+    ------
+    ValueError
+        As `sonar_equation`.
+    """
     return sonar_equation(sonar, sediment, ground_range, model=model).snr
 
 

@@ -22,7 +22,8 @@ def speckle_pair(
 
     In every Fourier bin of the flat band the primary is `P`, circular Gaussian, and the secondary
     `S = (gamma P + sqrt(1 - gamma^2) W) exp(-2 pi i (fc + f) tau)` with `W` independent of `P` and alike.
-    The bins are independent looks; both series have unit mean power.
+    The bins are independent looks; both series have unit mean power. Time grows as `rows samples log samples`, memory
+    as the pixels.
 
     Parameters
     ----------

@@ -5,7 +5,8 @@ from enum import IntEnum
 
 import numpy as np
 
-from sim.band import Complex, Real, circular_gaussian
+from sim.band import Complex, Real
+from sim.passes import scale
 
 
 class Use(IntEnum):
@@ -32,11 +33,16 @@ class Streams:
         """The generator of one use in one row; rows before the first have negative numbers."""
         return np.random.default_rng(np.random.SeedSequence(self.entropy, spawn_key=(use, row % 2**32)))
 
-    def gaussian(self, use: Use, rows: range, count: int) -> Complex:
-        """Circular complex Gaussian numbers of unit power, shape (rows, count)."""
-        numbers = np.empty((len(rows), count), dtype=np.complex128)
-        for place, row in zip(numbers, rows, strict=True):
-            place[:] = circular_gaussian((count,), self.of(use, row))
+    def gaussian(self, use: Use, rows: range, amplitude: Real) -> Complex:
+        """Circular complex Gaussian numbers of root mean square amplitudes, shape (count,) or (rows, count).
+
+        Shape (rows, count).
+        """
+        numbers = np.empty((len(rows), amplitude.shape[-1]), dtype=np.complex128)
+        half = np.sqrt(0.5) * amplitude
+        for place, row, share in zip(numbers, rows, np.broadcast_to(half, numbers.shape), strict=True):
+            self.of(use, row).standard_normal(out=place.view(np.float64))
+            scale(place, share)
         return numbers
 
     def texture(self, rows: range, count: int, shape: float | Real) -> Real:

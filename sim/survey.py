@@ -1,5 +1,6 @@
 """What the sections of a scene hold that decides how it must be simulated."""
 
+import math
 from collections.abc import Iterable
 from typing import NamedTuple
 
@@ -7,7 +8,7 @@ import numpy as np
 
 from sim.band import Real
 from sim.coherence import noise_coherence
-from sim.profile import Profile
+from sim.compiled import compiled
 from sim.scene import Scene
 from sim.snr_profile import SnrProfile
 from sim.sonar import Sonar
@@ -47,25 +48,42 @@ def survey(scene: Scene, sonar: Sonar, places: Iterable[float], snr: float | Snr
         noise = np.zeros(SURVEYED)
     else:
         noise = 1 - noise_coherence(snr.at(ranges) if isinstance(snr, SnrProfile) else np.full(SURVEYED, float(snr)))
-    found = [_surveyed(scene.profile(place), sonar, ranges, noise) for place in places]
+    found = [
+        (len(profile.height), *_surveyed(profile.ground_range, profile.height, ranges, noise, *_numbers(sonar)))
+        for profile in map(scene.profile, places)
+    ]
     return Survey(*(max(part) for part in zip(*found, strict=True)))
 
 
-def _surveyed(profile: Profile, sonar: Sonar, ranges: Real, noise: Real) -> Survey:
-    upper = sonar.altitude + sonar.baseline
-    tangents = ((profile.height - altitude) / profile.ground_range for altitude in (sonar.altitude, upper))
-    real = profile.lengths > 0
-    shadow = any(bool((np.diff(tangent)[real] <= 0).any()) for tangent in tangents)
-    overlaid = bool(
-        (profile.along * profile.ground_range[:-1] <= profile.up * (upper - profile.height[:-1]))[real].any()
-    )
-    # At the start of every segment, where a long one has no other, and at some ranges between.
-    within = np.clip(np.searchsorted(profile.ground_range, ranges, "right") - 1, 0, len(real) - 1)
-    segment = np.concatenate([np.flatnonzero(real), within])
-    y = np.concatenate([profile.ground_range[:-1][real], ranges])
-    depth = upper - profile.height[segment]
-    angle = np.minimum(np.arctan2(depth, y) + np.arctan2(profile.up, profile.along)[segment], np.radians(89.0))
-    share = sonar.centre_frequency * sonar.baseline * y * np.abs(np.tan(angle)) / (2 * (y**2 + depth**2))
-    shift = share / sonar.bandwidth
-    part = shift / (shift + np.interp(y, ranges, noise))
-    return Survey(len(profile.height), shadow, overlaid, float(shift.max()), float(part.max()))
+def _numbers(sonar: Sonar) -> tuple[float, float, float]:
+    """Altitudes of both receivers, and `fc D / (2 B)` [m]."""
+    lower = float(sonar.altitude)
+    return lower, lower + sonar.baseline, sonar.centre_frequency * sonar.baseline / (2 * sonar.bandwidth)
+
+
+@compiled
+def _surveyed(
+    ground_range: Real, height: Real, ranges: Real, noise: Real, lower: float, upper: float, scale: float
+) -> tuple[bool, bool, float, float]:
+    """What `Survey` tells of one section but for the number of its corners."""
+    shadow = overlaid = False
+    shift = part = 0.0
+    for segment in range(len(height) - 1):
+        near, along = ground_range[segment], ground_range[segment + 1] - ground_range[segment]
+        low, up = height[segment], height[segment + 1] - height[segment]
+        if along == 0 and up == 0:
+            continue
+        for altitude in (lower, upper):
+            shadow = shadow or (low + up - altitude) / (near + along) <= (low - altitude) / near
+        overlaid = overlaid or along * near <= up * (upper - low)
+        # At its start, where a long one has no other, and at some ranges within.
+        first, last = np.searchsorted(ranges, near), np.searchsorted(ranges, ground_range[segment + 1])
+        last = len(ranges) if segment == len(height) - 2 else last
+        for place in range(first - 1, last):
+            y = near if place < first else ranges[place]
+            depth = upper - low
+            angle = min(math.atan2(depth, y) + math.atan2(up, along), math.radians(89.0))
+            share = scale * y * abs(math.tan(angle)) / (y**2 + depth**2)
+            shift = max(shift, share)
+            part = max(part, share / (share + np.interp(y, ranges, noise)))
+    return shadow, overlaid, shift, part

@@ -24,6 +24,11 @@ class Transmitter:
         Length of the transmitted pulse, `T` [s]; matched filtering gains `B T`.
     beam
         Vertical beam; by default, 3 dB down 13 degrees off an axis 20 degrees down, its null near 50 at 122 kHz.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits, or not finite.
     """
 
     source_level: float = 200.0
@@ -46,6 +51,11 @@ class Receiver:
     directivity_index
         Gain against isotropic noise of one element [dB]; the default is that of 3.75 by 2.4 cm at 122 kHz,
         `10 log10(4 pi area / lambda^2)`.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits, or not finite.
     """
 
     beam: Beam = field(default_factory=lambda: GaussianBeam(width=60.0, depression=20.0))
@@ -65,6 +75,11 @@ class SyntheticAperture:
         Along-track resolution, `dx` [m], the same at all ranges.
     phase_centre_spacing
         Along-track distance of the phase centres [m], by default half of an element of 3.75 cm.
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits.
     """
 
     resolution: float = 0.03
@@ -75,7 +90,10 @@ class SyntheticAperture:
         checks.positive("phase_centre_spacing", self.phase_centre_spacing, "m")
 
     def phase_centres(self, slant_range: Real, wavelength: float) -> Real:
-        """How many are combined, `lambda r / (2 dx)` over their spacing and 1 at least; a real number."""
+        """How many are combined at a slant range [m] and wavelength [m]; a real number, shape of the former.
+
+        `lambda r / (2 dx)` over their spacing, and 1 at least.
+        """
         centres: Real = np.maximum(wavelength * slant_range / (2 * self.resolution * self.phase_centre_spacing), 1.0)
         return centres
 
@@ -90,6 +108,11 @@ class Noise:
         Wind at the surface [m/s]; 0 leaves the ambient noise of a calm sea.
     excess
         Noise of the vehicle and its electronics above these [dB].
+
+    Raises
+    ------
+    ValueError
+        For a value outside these limits.
     """
 
     wind_speed: float = 5.0

@@ -1,6 +1,7 @@
 """What a perfect estimator would find of a scene: delays, heights, shadow and layover."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +37,7 @@ def truth(profile: Profile, geometry: Geometry, times: Real, primary: Heard | No
     secondary = heard_at(profile, sonar, times + plane_delay(sonar, times), upper)
     parts, parts_above = (np.bincount(heard.sample, minlength=len(times)) for heard in (primary, secondary))
     common = primary.chosen(sees(profile, primary.points, upper))
-    delay = geometry.registered_delay(*travel_times(sonar, common.ground_range, common.height))
+    delay = geometry.left_delay(common.ground_range, common.height)
     unique = (parts == 1) & (parts_above == 1) & (np.bincount(common.sample, minlength=len(times)) == 1)
     alone = unique[common.sample]
     only_delay, only_height = np.full((2, len(times)), np.nan)
@@ -60,13 +61,12 @@ def truth_in_order(profile: Profile, geometry: Geometry, times: Real, primary: H
     profile, geometry, times, primary
         As for `truth`.
     """
-    sonar = geometry.sonar
-    ends = profile.ground_range[[0, -1]], profile.height[[0, -1]]
-    first, last = travel_times(sonar, *ends)[1]
-    above = times + plane_delay(sonar, times)
-    shadow = (above < first) | (above >= last)
+    ends = travel_times(geometry.sonar, profile.ground_range[[0, -1]], profile.height[[0, -1]])
+    # When the registered secondary hears the ends.
+    first, last = ends[0] + geometry.registered_delay(*ends)
+    shadow = (times < first) | (times >= last)
     delay, height = np.full((2, len(times)), np.nan)
-    delay[primary.sample] = geometry.registered_delay(*travel_times(sonar, primary.ground_range, primary.height))
+    delay[primary.sample] = geometry.left_delay(primary.ground_range, primary.height)
     height[primary.sample] = primary.height
     shadow |= np.isnan(delay)
     # Where the secondary hears nothing, the branch stays.
@@ -99,14 +99,13 @@ def _branches(heard: Heard, delay: Real, times: int) -> Real:
 def stacked(truths: Sequence[Truth]) -> Truth:
     """The truths of rows, one each, as that of them all: arrays of shape (rows, time)."""
     most = max(len(truth.branches) for truth in truths if truth.branches is not None)
-    branches = np.full((most, len(truths), len(truths[0].delay)), np.nan)
+    branches = np.empty((most, len(truths), len(truths[0].delay)))
     for row, truth in enumerate(truths):
-        if truth.branches is not None:
-            branches[: len(truth.branches), row] = truth.branches
-    return Truth(
-        delay=np.array([truth.delay for truth in truths]),
-        height=np.array([truth.height for truth in truths]),
-        shadow=np.array([truth.shadow for truth in truths]),
-        layover=np.array([truth.layover for truth in truths]),
-        branches=branches,
-    )
+        found = 0 if truth.branches is None else len(truth.branches)
+        branches[:found, row] = truth.branches
+        branches[found:, row] = np.nan
+
+    def together(name: str) -> NDArray[Any]:
+        return np.stack([getattr(truth, name) for truth in truths])
+
+    return Truth(together("delay"), together("height"), together("shadow"), together("layover"), branches)

@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.band import Real
+from sim.compiled import compiled
 from sim.profile import Profile, SeabedPoints
 
 
@@ -25,9 +27,28 @@ def sees(profile: Profile, points: SeabedPoints, altitude: float) -> NDArray[np.
         Of the shape of the points.
     """
     tangents = (profile.height - altitude) / profile.ground_range
-    highest_before = np.maximum.accumulate(tangents)[points.segment]
-    faces = np.diff(tangents) > 0
-    ground_range, height = profile.position(points)
-    tangent = (height - altitude) / ground_range
-    seen: NDArray[np.bool_] = faces[points.segment] & (tangent >= highest_before - 1e-12 * np.abs(highest_before))
+    return _sees(
+        profile.ground_range, profile.height, np.maximum.accumulate(tangents), np.diff(tangents) > 0, *points,
+        float(altitude),
+    )  # fmt: skip
+
+
+@compiled
+def _sees(
+    corner_range: Real,
+    corner_height: Real,
+    highest: Real,
+    faces: NDArray[np.bool_],
+    segments: NDArray[np.int64],
+    shares: Real,
+    altitude: float,
+) -> NDArray[np.bool_]:
+    """Whether segments face the observer, and points on them rise above the highest tangent before."""
+    seen = np.empty(len(segments), np.bool_)
+    for point in range(len(segments)):
+        segment, share = segments[point], shares[point]
+        near, low, before = corner_range[segment], corner_height[segment], highest[segment]
+        ground_range = near + share * (corner_range[segment + 1] - near)
+        tangent = (low + share * (corner_height[segment + 1] - low) - altitude) / ground_range
+        seen[point] = faces[segment] and tangent >= before - 1e-12 * abs(before)
     return seen

@@ -113,9 +113,26 @@ def absorption(
     ph: ArrayLike = 8.0,
     model: AbsorptionModel = "francois-garrison",
 ) -> Real:
-    """Absorption of sound in sea water, one way [dB/m], against frequency [Hz].
+    """Absorption of sound in sea water, one way; that of `Water.absorption` over arrays.
 
-    All arguments broadcast. As of `Water.absorption`, with the limits of `Water`: see there for models and errors.
+    Parameters
+    ----------
+    frequency
+        Frequency, `f` [Hz], not below 0.
+    temperature, salinity, depth, ph
+        As of `Water`: [deg C], practical salinity, [m] and pH, within the same limits. All broadcast.
+    model
+        As of `Water.absorption`.
+
+    Returns
+    -------
+    array
+        [dB/m], of the broadcast shape.
+
+    Raises
+    ------
+    ValueError
+        For an unknown model, a frequency that is below 0 or not finite, and water outside the limits.
     """
     checks.one_of("model", model, get_args(AbsorptionModel))
     frequencies = np.asarray(frequency, dtype=float)

@@ -4,5 +4,6 @@ from studies.engine import Run, Share, run, store_of
 from studies.prediction import predict
 from studies.report import Result, result, write
 from studies.study import Study, load
+from studies.tuning import Tuned, tune
 
-__all__ = ["Result", "Run", "Share", "Study", "load", "predict", "result", "run", "store_of", "write"]
+__all__ = ["Result", "Run", "Share", "Study", "Tuned", "load", "predict", "result", "run", "store_of", "tune", "write"]

@@ -5,7 +5,6 @@ import heapq
 import json
 import os
 import re
-from array import array
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,34 +19,10 @@ import pyarrow.parquet as pq
 
 from studies.design import Point, Task
 from studies.drawing import Traces
-from studies.measurement import Block, Failure, Measurement
-from studies.moments import PAIRED, QUANTITIES, Moments
+from studies.measurement import Block
 from studies.seeds import canonical
+from studies.stored import SCHEMA, Stored, digest, plain, stored
 
-SCHEMA = pa.schema(
-    [
-        ("block", pa.int64()),
-        ("trials", pa.int64()),
-        ("estimator", pa.string()),
-        ("window", pa.string()),
-        ("region", pa.string()),
-        ("regions", pa.int64()),
-        ("facts", pa.string()),
-        ("clusters", pa.int64()),
-        ("counted", pa.int64()),
-        ("wrap_errors", pa.int64()),
-        ("totals", pa.list_(pa.float64())),
-        ("products", pa.list_(pa.float64())),
-        ("square_weight", pa.float64()),
-        ("largest_weight", pa.float64()),
-        ("batches", pa.list_(pa.float64())),
-        ("failures", pa.int64()),
-        ("failed", pa.string()),
-        ("flagged", pa.int64()),
-        ("seconds_per_pixel", pa.float64()),
-        ("digest", pa.string()),
-    ]
-)
 TRACES = pa.schema([("name", pa.string()), ("shape", pa.list_(pa.int64())), ("values", pa.list_(pa.float64()))])
 TRACED = ".traces.parquet"
 """How the names of files with traces end."""
@@ -56,18 +31,7 @@ KEY = b"twinecho"
 ROWS = 1024
 """Rows that are read, checked or written at a time."""
 
-_LISTS = tuple(field.name for field in SCHEMA if pa.types.is_list(field.type))
-_SCALARS = tuple(name for name in SCHEMA.names if name not in (*_LISTS, "digest"))
-_UPPER = np.triu_indices(len(QUANTITIES))
 _NAME = re.compile(r"([0-9a-f]{16})-(\d+)(?:-(\d+))?\.parquet")
-
-
-class Stored(NamedTuple):
-    """A measurement as it was found."""
-
-    block: int
-    trials: int
-    measurement: Measurement
 
 
 class Segment(NamedTuple):
@@ -225,8 +189,7 @@ class Store:
         schema = SCHEMA.with_metadata({KEY: identity})
         with _replacing(path) as beside, pq.ParquetWriter(beside.path, schema) as writer:
             for chunk in _chunks(rows):
-                plain = [_plain(row) for row in chunk]
-                signed = [{**row, "digest": _digest(row, identity)} for row in plain]
+                signed = [{**row, "digest": digest(row, identity)} for row in map(plain, chunk)]
                 writer.write_table(pa.Table.from_pylist(signed, schema))
 
     def _rows(self, point: Point, path: Path) -> Iterator[Stored]:
@@ -238,9 +201,9 @@ class Store:
                 if (schema.metadata or {}).get(KEY) != identity or schema.remove_metadata() != SCHEMA:
                     return
                 for batch in file.iter_batches(ROWS):
-                    for plain in batch.to_pylist():
-                        if plain["digest"] == _digest(plain, identity):
-                            yield _stored(plain)
+                    for row in batch.to_pylist():
+                        if row["digest"] == digest(row, identity):
+                            yield stored(row)
         except FileNotFoundError:
             return
         except OSError as error:
@@ -291,65 +254,3 @@ def _chunks(rows: Iterable[Stored]) -> Iterator[list[Stored]]:
             chunk = []
     if chunk:
         yield chunk
-
-
-def _digest(plain: Mapping[str, Any], identity: bytes) -> str:
-    """Of a row's other columns and of the file's identity."""
-    scalars = [plain[name] for name in _SCALARS]
-    found = hashlib.sha256(identity + json.dumps(scalars).encode())
-    for name in _LISTS:
-        found.update(array("d", plain[name]).tobytes())
-    return found.hexdigest()[:32]
-
-
-def _plain(row: Stored) -> dict[str, Any]:
-    m, moments = row.measurement, row.measurement.moments
-    return {
-        "block": row.block,
-        "trials": row.trials,
-        "estimator": m.estimator,
-        "window": m.window,
-        "region": m.region,
-        "regions": m.regions,
-        "facts": json.dumps(dict(m.facts)),
-        "clusters": moments.clusters,
-        "counted": moments.trials,
-        "wrap_errors": moments.wrap_errors,
-        "totals": moments.totals.tolist(),
-        "products": moments.products[_UPPER].tolist(),
-        "square_weight": moments.square_weight,
-        "largest_weight": moments.largest_weight,
-        "batches": m.batches.ravel().tolist(),
-        "failures": m.failures,
-        "failed": json.dumps([list(failure) for failure in m.failed]),
-        "flagged": m.flagged,
-        "seconds_per_pixel": m.seconds_per_pixel,
-    }
-
-
-def _stored(plain: Mapping[str, Any]) -> Stored:
-    products = np.empty((len(QUANTITIES),) * 2)
-    products[_UPPER] = products.T[_UPPER] = plain["products"]
-    moments = Moments(
-        clusters=plain["clusters"],
-        trials=plain["counted"],
-        wrap_errors=plain["wrap_errors"],
-        totals=np.array(plain["totals"]),
-        products=products,
-        square_weight=plain["square_weight"],
-        largest_weight=plain["largest_weight"],
-    )
-    measurement = Measurement(
-        plain["estimator"],
-        plain["window"],
-        plain["region"],
-        plain["regions"],
-        facts=json.loads(plain["facts"]),
-        moments=moments,
-        batches=np.array(plain["batches"]).reshape(-1, len(PAIRED)),
-        failures=plain["failures"],
-        failed=[Failure(*failure) for failure in json.loads(plain["failed"])],
-        flagged=plain["flagged"],
-        seconds_per_pixel=plain["seconds_per_pixel"],
-    )
-    return Stored(plain["block"], plain["trials"], measurement)

@@ -11,6 +11,7 @@ from studies.commands.estimate import estimate
 from studies.commands.look import check, list_studies
 from studies.commands.predict import predict
 from studies.commands.runs import merge, replay, report_again, run, status
+from studies.commands.tune import tune
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -29,6 +30,7 @@ for name, command in (
     ("replay", replay),
     ("merge", merge),
     ("predict", predict),
+    ("tune", tune),
     ("estimate", estimate),
     ("check-estimator", check_estimator),
 ):

@@ -2,18 +2,18 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Annotated, Any, Literal, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from sim.band import Real
 from studies import figures
 from studies.named import called, imported
-from studies.section import Section, suggestion
+from studies.section import Name, Section, suggestion
 
 Traces = Mapping[str, Real]
 """Arrays of one example, by name, for figures."""
@@ -112,7 +112,7 @@ class FigureSection(Section):
         Words.
     """
 
-    name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]*$")]
+    name: Name
     draw: str | None = None
     x: str = ""
     y: str = ""

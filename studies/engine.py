@@ -15,6 +15,7 @@ from studies.design import Point, Task, blocks, computed, methods, points, task
 from studies.experiment import Experiment
 from studies.lock import only_writer
 from studies.measure import measure
+from studies.memory import check_memory
 from studies.method import Method
 from studies.named import imported
 from studies.parallel import BACKENDS, one_thread, parallel
@@ -30,7 +31,18 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True)
 class Share:
-    """One of several machines' part of a study: number `number` of `of`, from 1."""
+    """One of several machines' part of a study.
+
+    Attributes
+    ----------
+    number, of
+        Which part, from 1, of how many.
+
+    Raises
+    ------
+    ValueError
+        For a number that is not 1 to `of`.
+    """
 
     number: int = 1
     of: int = 1
@@ -114,6 +126,7 @@ def check(study: Study) -> list[Point]:
     found = list(points(study))
     for point in found:
         made = methods(study, point)
+        check_memory(study, point)
         if point.number == 0:
             for method in made:
                 method.build(seeds.generator(0, point.echoes, 0, method.stream()))
@@ -122,7 +135,20 @@ def check(study: Study) -> list[Point]:
 
 
 def store_of(study: Study, seed: int, folder: Path) -> Store:
-    """The block files of a study with a seed below a folder, as they are now."""
+    """The block files of a study, as they are now.
+
+    Parameters
+    ----------
+    study, seed
+        What was run, and the root of its random numbers.
+    folder
+        That of the run.
+
+    Returns
+    -------
+    Store
+        Of what the folder holds of this design; empty where it holds none.
+    """
     return Store(folder / "blocks", manifest.digest(manifest.design(study, seed)))
 
 
@@ -130,7 +156,8 @@ def run(study: Study, how: Run, folder: Path, progress: Progress = lambda done, 
     """Simulate and estimate what a folder lacks of a study.
 
     Every block is stored as it is done. The numbers depend on the study, its estimators and the seed alone, but for the
-    measured times: not on the backend, the jobs, the order of the blocks or on how often the run was interrupted.
+    measured times: not on the backend, the jobs, the order of the blocks or on how often the run was interrupted. Time
+    grows as the trials do, and falls as one over the jobs up to the cores; memory does not grow with the trials.
 
     Parameters
     ----------

@@ -1,5 +1,6 @@
 """Estimates of a measured pair, block by block of its rows, into a netCDF file."""
 
+import math
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -15,8 +16,9 @@ from estimators.depth import depth_map
 from sim import EchoPair, PairFile, checks, open_pair
 from sim.band import Real
 from sim.pair_layout import xarray_with_h5netcdf
-from studies.method import EstimatorSection, Method, Option
+from studies.method import EstimatorSection, Method
 from studies.named import words_of
+from studies.options import Options, rows_in
 from studies.progress import Show
 
 BLOCK_SAMPLES = 2**20
@@ -64,15 +66,15 @@ def estimate_file(
     window: str,
     out: Path,
     *,
-    options: Mapping[str, Option] = MappingProxyType({}),
+    options: Options = MappingProxyType({}),
     block: int | None = None,
     progress: Show = lambda done, total: None,
 ) -> str:
     """Estimate the delays of a pair in a file, and its depths where it has a geometry, into another file.
 
-    Rows are read, estimated and written in blocks of whole windows, with a window of rows around each: as moving sums
-    group the same rows, the file has the same bits whatever the block. An estimator of one's own must not look further
-    along track than that.
+    Rows are read, estimated and written in blocks of whole windows, with the rows of all windows around each: as moving
+    sums group the same rows, the file has the same bits whatever the block. An estimator of one's own must not look
+    further along track than its window and those of its options together.
 
     Parameters
     ----------
@@ -104,21 +106,21 @@ def estimate_file(
         Where the extra `data` is not installed.
     """
     size = fixed_window(window)
-    made = Method(EstimatorSection(name="estimate", method=estimator, options=options), size).build(
-        np.random.default_rng(0)
-    )
+    section = EstimatorSection(name="estimate", method=estimator, options=options)
+    made = Method(section, size).build(np.random.default_rng(0))
     if out.suffix != ".nc":
         raise ValueError(f"out is {out}; it must end with .nc")
     if out.exists() and path.exists() and out.samefile(path):
         raise ValueError(f"out is {out}, the file that is read; it must be another")
     with open_pair(path) as file:
-        rows = _block_rows(file, size, block)
+        whole, reach = _along_track(size, section.options)
+        rows = _block_rows(file, whole, block)
         words = {"source": f"{estimator} with a window of {size} pixels"}
         with _created(out, file, words) as variables:
             bad, valid = 0, 0
             for start in range(0, file.shape[0], rows):
                 inner = slice(start, min(start + rows, file.shape[0]))
-                found, missing = _estimated(file, inner, made, size)
+                found, missing = _estimated(file, inner, made, size, reach)
                 for name, values in found.items():
                     variables[name][inner] = values
                 bad, valid = bad + missing, valid + int(found["valid"].sum())
@@ -139,17 +141,24 @@ def fixed_window(text: str) -> FixedWindow:
     return FixedWindow(int(found[1]), int(found[2]))
 
 
-def _block_rows(file: PairFile, window: FixedWindow, block: int | None) -> int:
+def _along_track(window: FixedWindow, options: Options) -> tuple[int, int]:
+    """Rows that are whole windows of every size, and so many of these as an estimate may depend on."""
+    rows = [window.rows, *rows_in(options)]
+    whole = math.lcm(*rows)
+    return whole, -(-sum(rows) // whole) * whole
+
+
+def _block_rows(file: PairFile, whole: int, block: int | None) -> int:
     wanted = max(BLOCK_SAMPLES // file.shape[1], 1) if block is None else checks.count("block", block)
-    return -(-wanted // window.rows) * window.rows
+    return -(-wanted // whole) * whole
 
 
 def _estimated(
-    file: PairFile, inner: slice, estimator: Estimator, window: FixedWindow
+    file: PairFile, inner: slice, estimator: Estimator, window: FixedWindow, reach: int
 ) -> tuple[dict[str, NDArray[Any]], int]:
     """Values of every variable in some rows, and how many samples are missing there."""
-    first = max(inner.start - window.rows, 0)
-    pair = file.rows(slice(first, min(inner.stop + window.rows, file.shape[0])))
+    first = max(inner.start - reach, 0)
+    pair = file.rows(slice(first, min(inner.stop + reach, file.shape[0])))
     kept = slice(inner.start - first, inner.stop - first)
     found = {name: np.broadcast_to(values, pair.shape)[kept] for name, values in _fields(pair, estimator, window)}
     names = [name for name in found if name not in ("intensity", "valid")]

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from studies import seeds
-from studies.estimator_names import source_of
+from studies.method import plain_options, sources_of
 from studies.section import plain, resolved
 from studies.seeds import canonical
 from studies.study import Study, made
@@ -41,7 +41,7 @@ def fixed(study: Study, seed: int) -> dict[str, Any]:
     axes = {key for axis in study.axes for key in axis}
     values = {**_flat("sonar", resolved(study.sonar)), **_flat(study.kind, resolved(getattr(study, study.kind)))}
     chosen = {
-        f"estimators.{e.name}": {"method": e.method, "options": dict(e.options), "source": source_of(e.method)}
+        f"estimators.{e.name}": {"method": e.method, "options": plain_options(e.options), "source": sources_of(e)}
         for e in study.estimators
     }
     return {**design(study, seed), **{k: v for k, v in values.items() if k not in axes}, **chosen}

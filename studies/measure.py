@@ -6,7 +6,16 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from estimators import CrossCorrelation, Estimator, FullBandPhaseSlope, MaximumLikelihood, SplitSpectrum, bounds
+from estimators import (
+    CombinedNeighbours,
+    CrossCorrelation,
+    Estimator,
+    FullBandPhaseSlope,
+    MaximumLikelihood,
+    SplitSpectrum,
+    TwoWindow,
+    bounds,
+)
 from estimators.posterior import Looks
 from sim import EchoPair, Sonar
 from sim.band import Real
@@ -168,7 +177,12 @@ def predicted_wrap_rate(estimator: Estimator, looks: ArrayLike, coherence: Array
     """Wrap-error rate of an estimator of its kind.
 
     Maximum likelihood, a peak that its phase refines, the split spectrum; for all others that of the envelope's peak.
+    Of two windows it is that of the one for the wrap, and of neighbours that are combined NaN: nothing tells.
     """
+    if isinstance(estimator, TwoWindow):
+        return predicted_wrap_rate(estimator.wrap, looks, coherence, sonar)
+    if isinstance(estimator, CombinedNeighbours):
+        return np.full(np.broadcast_shapes(np.shape(looks), np.shape(coherence)), np.nan)
     ratio = sonar.relative_bandwidth
     search = getattr(estimator, "search", None)
     # A search in height is another delay for every record.
@@ -187,8 +201,11 @@ def predicted_delay_std(estimator: Estimator, looks: ArrayLike, coherence: Array
     """Standard deviation of an estimator of its kind in the right wrap [s].
 
     That of the exact multilook phase where the phase refines the delay, the coherent bound for maximum likelihood, and
-    the bound of the group delay for what has no phase; of single looks, a guess within a wrap at the most.
+    the bound of the group delay for what has no phase; of single looks, a guess within a wrap at the most. NaN for what
+    is made of another estimator: the looks are those of that one.
     """
+    if isinstance(estimator, TwoWindow | CombinedNeighbours):
+        return np.full(np.broadcast_shapes(np.shape(looks), np.shape(coherence)), np.nan)
     fc, bandwidth = sonar.centre_frequency, sonar.bandwidth
     if isinstance(estimator, MaximumLikelihood):
         return bounds.coherent_delay_crlb(looks, coherence, fc, bandwidth)

@@ -11,13 +11,12 @@ from pydantic import Field
 
 from estimators import Estimator, FixedWindow
 from estimators.windows import WindowPolicy
-from studies.estimator_names import estimator_class
+from studies.estimator_names import estimator_class, source_of
 from studies.named import words_of
-from studies.section import Section, suggestion
+from studies.options import MADE_OF, Option, Options, PartSection, methods_in
+from studies.section import Section, plain, suggestion
 from studies.window_section import PolicySection, WindowSection
 from studies.world import World
-
-Option = bool | int | float | str
 
 
 class EstimatorSection(Section):
@@ -35,12 +34,16 @@ class EstimatorSection(Section):
         Each [rows, samples], "record" for all of a patch's record, or a policy (`PolicySection`); it is tried with
         every one of them.
     options
-        What else it is called with.
+        What else it is called with: numbers, text, true or false, [rows, samples] for a window and a list of these for
+        several, or for another estimator a table (`studies.options.PartSection`).
     blocks
         In how many blocks of a design point it is tried, from the first on; in all by default. For what takes long.
     """
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9 ._+-]*$")]
+    name: Annotated[
+        str,
+        Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9 ._+-]*$", description="letters, digits, spaces and any of . _ + -"),
+    ]
     method: str
     windows: Annotated[tuple[WindowSection, ...], Field(min_length=1)] = ("record",)
     options: Mapping[str, Option] = {}
@@ -66,24 +69,45 @@ class Method:
 
     def build(self, rng: np.random.Generator) -> Estimator:
         """The estimator; ValueError where it cannot be made so."""
-        make = estimator_class(self.section.method)
-        given: dict[str, Any] = dict(self.section.options)
-        takes = _parameters(make)
-        if takes is not None:
-            unknown = [option for option in given if option not in takes]
-            if unknown:
-                known = suggestion(unknown[0], [name for name in takes if name not in ("window", "rng")])
-                raise ValueError(f"option {unknown[0]} is not one of {self.section.method}; it must be {known}")
-            if "rng" in takes:
-                given["rng"] = rng
-        try:
-            made = make(self.window, **given)
-        except (Exception, SystemExit) as error:  # A user's class may do anything.
-            options = {name: value for name, value in given.items() if name != "rng"}
-            raise ValueError(f"{self.section.method} cannot be made with {options}: {words_of(error)}") from None
-        if not isinstance(made, Estimator):
-            raise ValueError(f"{self.section.method} gives {made!r}; it must have a method estimate(pair)")
-        return made
+        return _made(self.section.method, self.window, self.section.options, rng)
+
+
+def _made(method: str, window: WindowPolicy, options: Options, rng: np.random.Generator) -> Estimator:
+    make = estimator_class(method)
+    takes = _parameters(make)
+    if takes is not None:
+        unknown = [option for option in options if option not in takes]
+        if unknown:
+            known = suggestion(unknown[0], [name for name in takes if name not in ("window", "rng")])
+            raise ValueError(f"option {unknown[0]} is not one of {method}; it must be {known}")
+    given = {name: _value(value, window, rng) for name, value in options.items()}
+    if method in MADE_OF:
+        name, part = MADE_OF[method]
+        given[name] = given[name] if name in given else _made(part, window, {}, rng)
+    if takes is not None and "rng" in takes:
+        given["rng"] = rng
+    try:
+        made = make(**given) if method in MADE_OF else make(window, **given)
+    except (Exception, SystemExit) as error:  # A user's class may do anything.
+        raise ValueError(f"{method} cannot be made with {plain_options(options)}: {words_of(error)}") from None
+    if not isinstance(made, Estimator):
+        raise ValueError(f"{method} gives {made!r}; it must have a method estimate(pair)")
+    return made
+
+
+def _value(option: Any, window: WindowPolicy, rng: np.random.Generator) -> Any:
+    """What an option stands for: an estimator, with the window of the one that it is a part of, windows, or itself."""
+    if isinstance(option, PartSection):
+        own = window if option.window is None else FixedWindow(*option.window)
+        return _made(option.method, own, option.options, rng)
+    if isinstance(option, tuple):
+        return tuple(FixedWindow(*size) for size in option) if isinstance(option[0], tuple) else FixedWindow(*option)
+    return option
+
+
+def plain_options(options: Options) -> dict[str, Any]:
+    """As JSON can hold them."""
+    return {name: plain(value) if isinstance(value, PartSection) else value for name, value in options.items()}
 
 
 def methods_of(sections: tuple[EstimatorSection, ...], world: World) -> list[Method]:
@@ -95,6 +119,11 @@ def _policy(window: WindowSection, world: World) -> WindowPolicy:
     if isinstance(window, PolicySection):
         return window.window()
     return FixedWindow(*(world.record() if window == "record" else window))
+
+
+def sources_of(section: EstimatorSection) -> str:
+    """Where what is not shipped comes from, of the estimator and of those that it is made of (`source_of`)."""
+    return " ".join(filter(None, map(source_of, (section.method, *methods_in(section.options)))))
 
 
 def _parameters(make: Any) -> list[str] | None:

@@ -1,5 +1,6 @@
 """Homogeneous patches of speckle, as a study asks for them."""
 
+from collections.abc import Callable
 from typing import Annotated, Literal, Self
 
 import numpy as np
@@ -12,6 +13,8 @@ from sim.band import Real
 from studies.quantity import Decibels, Wraps
 from studies.section import Section
 from studies.world import Reading
+
+Draw = Callable[..., EchoPair]
 
 
 class Patch(Section):
@@ -95,7 +98,10 @@ class Patch(Section):
 
     def simulate(self, sonar: Sonar, trials: int, rng: np.random.Generator, first: int = 0) -> EchoPair:
         """Records, one a row."""
-        draw = speckle_pair if self.sampling == "direct" else rare_speckle_pair
+        return self.drawn(speckle_pair if self.sampling == "direct" else rare_speckle_pair, sonar, trials, rng)
+
+    def drawn(self, draw: Draw, sonar: Sonar, trials: int, rng: np.random.Generator) -> EchoPair:
+        """Records drawn by a function that is called as `sim.speckle_pair` is."""
         return draw(
             self.shape(sonar, trials),
             coherence=self.true_coherence,

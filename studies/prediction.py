@@ -79,36 +79,57 @@ def predict(
     checks.count("window", window)
     checks.within("kappa", kappa, 0.0, 1e6)
     checks.within("most_wrap_errors", most_wrap_errors, 1e-12, 1.0)
+    y = np.atleast_1d(np.asarray(ground_range, dtype=float))
+    swath = _swath(sonar, _over_ranges("ground_range", y, y, 0.0, 1e6), sediment, coherence)
+    n = _over_ranges("looks", pixels.looks_in(window) if looks is None else looks, y, 1.0, 1e9)
+    best = _best_window(_ranges(sonar, swath), pixels, kappa, most_wrap_errors)
+    proposed = np.where(best > 0, pixels.looks_in(np.maximum(best, 1)), np.nan)
+    found, of_best = (_delivered(sonar, swath, of) for of in (n, proposed))
+    return swath.assign(
+        looks=n,
+        wrap_height=swath.slant_range * sonar.wavelength / sonar.baseline,
+        **found,
+        best_window=best,
+        best_depth_std=of_best["depth_std"],
+        best_wrap_error_rate=of_best["wrap_error_rate"],
+    )
+
+
+def _swath(
+    sonar: Sonar, ground_range: Real, sediment: Sediment | str | None, coherence: ArrayLike | None
+) -> pd.DataFrame:
+    """What is heard of a flat seabed at each range: range, angle, signal-to-noise ratio and coherence."""
     if (sediment is None) == (coherence is None):
         raise ValueError("sediment and coherence are both given or both missing; it must be one of them")
-    y = np.atleast_1d(np.asarray(ground_range, dtype=float))
-    y = _over_ranges("ground_range", y, y, 0.0, 1e6)
-    of_seabed = coherence if sediment is None else expected_coherence(sonar, sediment, y)
-    gamma = _over_ranges("coherence", of_seabed, y, 0.0, 1.0)
-    n = _over_ranges("looks", pixels.looks_in(window) if looks is None else looks, y, 1.0, 1e9)
-    slant, fc = np.hypot(y, sonar.altitude), sonar.centre_frequency
-    ranges = Ranges(slant, gamma, fc, sonar.bandwidth, sonar.baseline, sonar.sound_speed)
-    best = _best_window(ranges, pixels, kappa, most_wrap_errors)
-    proposed = np.where(best > 0, pixels.looks_in(np.maximum(best, 1)), np.nan)
+    of_seabed = coherence if sediment is None else expected_coherence(sonar, sediment, ground_range)
+    gamma = _over_ranges("coherence", of_seabed, ground_range, 0.0, 1.0)
     with np.errstate(divide="ignore"):
         equivalent = 10 * np.log10(bounds.snr_from_coherence(gamma))
     return pd.DataFrame(
         {
-            "ground_range": y,
-            "slant_range": slant,
-            "grazing_angle": np.degrees(np.arctan2(sonar.altitude, y)),
-            "snr_db": equivalent if sediment is None else snr(sonar, sediment, y),
+            "ground_range": ground_range,
+            "slant_range": np.hypot(ground_range, sonar.altitude),
+            "grazing_angle": np.degrees(np.arctan2(sonar.altitude, ground_range)),
+            "snr_db": equivalent if sediment is None else snr(sonar, sediment, ground_range),
             "coherence": gamma,
-            "looks": n,
-            "wrap_height": slant * sonar.wavelength / sonar.baseline,
-            "depth_std": ranges.depth_std(n),
-            "depth_crlb": ranges.depth_crlb(n),
-            "wrap_error_rate": _wrap_errors(n, gamma, sonar),
-            "best_window": best,
-            "best_depth_std": ranges.depth_std(proposed),
-            "best_wrap_error_rate": _wrap_errors(proposed, gamma, sonar),
         }
     )
+
+
+def _ranges(sonar: Sonar, swath: pd.DataFrame) -> Ranges:
+    slant, gamma = swath.slant_range.to_numpy(), swath.coherence.to_numpy()
+    return Ranges(slant, gamma, sonar.centre_frequency, sonar.bandwidth, sonar.baseline, sonar.sound_speed)
+
+
+def _delivered(sonar: Sonar, swath: pd.DataFrame, looks: Real) -> dict[str, Real]:
+    """Spread of the depth in the right wrap, its bound, and rate of wrong wraps, of so many looks at each range."""
+    ranges = _ranges(sonar, swath)
+    rate = bounds.wrap_error_probability(looks, ranges.coherence, ranges.relative_bandwidth)
+    return {
+        "depth_std": ranges.depth_std(looks),
+        "depth_crlb": ranges.depth_crlb(looks),
+        "wrap_error_rate": rate,
+    }
 
 
 def _over_ranges(name: str, given: ArrayLike | None, ground_range: Real, low: float, high: float) -> Real:
@@ -118,10 +139,6 @@ def _over_ranges(name: str, given: ArrayLike | None, ground_range: Real, low: fl
     if bad.any():
         raise ValueError(f"{name} is {values[bad][0]:g}; it must lie between {low:g} and {high:g}")
     return values
-
-
-def _wrap_errors(looks: Real, coherence: Real, sonar: Sonar) -> Real:
-    return bounds.wrap_error_probability(looks, coherence, sonar.relative_bandwidth)
 
 
 def _best_window(ranges: Ranges, pixels: Pixels, kappa: float, most_wrap_errors: float) -> NDArray[np.int64]:

@@ -52,7 +52,7 @@ class Result:
     def warnings(self) -> list[str]:
         """What a reader must know of the table: rows that rest on few weights, and failures."""
         said: list[str] = []
-        if "trials" not in self.table:
+        if "few_dominate" not in self.table:
             return said
         few = int(self.table.few_dominate.sum())
         if self.missing[0]:
@@ -71,6 +71,18 @@ class Result:
 
 def result(study: Study, store: Store) -> Result:
     """Statistics of all that a store holds of a study; a block in memory at a time, merged in block order.
+
+    Parameters
+    ----------
+    study
+        Which points, estimators and blocks count.
+    store
+        Its block files; of a study without trials, which is computed here, it is not read.
+
+    Returns
+    -------
+    Result
+        Tables and examples.
 
     Raises
     ------
@@ -146,7 +158,19 @@ class _Sums:
 
 
 def write(study: Study, found: Result, folder: Path) -> list[Path]:
-    """Write the tables, the figures and the page of a study; returns their paths.
+    """Write the tables, the figures and the page of a study.
+
+    Parameters
+    ----------
+    study, found
+        The study, and what came of it.
+    folder
+        Where to; that of the run, which has the manifest that the page quotes.
+
+    Returns
+    -------
+    list of Path
+        All that was written.
 
     Raises
     ------

@@ -32,26 +32,25 @@ class _Of(Section):
         return self.makes(**{name: getattr(self, name) for name in type(self).model_fields if name != "kind"})
 
 
-class BoxSection(_Of):
+class _Solid(_Of):
+    start: Metres
+    width: Metres
+    height: Metres
+    along_track: Stretch = EVERYWHERE
+
+
+class BoxSection(_Solid):
     """`sim.Box`."""
 
     makes: ClassVar[type[Any]] = Box
     kind: Literal["box"]
-    start: Metres
-    width: Metres
-    height: Metres
-    along_track: Stretch = EVERYWHERE
 
 
-class WedgeSection(_Of):
+class WedgeSection(_Solid):
     """`sim.Wedge`."""
 
     makes: ClassVar[type[Any]] = Wedge
     kind: Literal["wedge"]
-    start: Metres
-    width: Metres
-    height: Metres
-    along_track: Stretch = EVERYWHERE
 
 
 class SlopeSection(_Of):

@@ -3,9 +3,13 @@
 import json
 from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
-from typing import Any, get_args
+from typing import Annotated, Any, get_args
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic_core import ErrorDetails
+
+Name = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]*$", description="lower-case letters, digits and hyphens")]
+"""Of a folder or file."""
 
 
 class Section(BaseModel):
@@ -37,12 +41,36 @@ def suggestion(given: str, known: Iterable[str]) -> str:
     return f"one of {', '.join(names)}{hint}"
 
 
+KINDS = {
+    "bool": "true or false",
+    "int": "a whole number",
+    "float": "a number",
+    "finite": "a finite number",
+    "string": "text",
+    "str": "text",
+    "tuple": "a list",
+    "list": "a list",
+    "dict": "a table",
+    "model": "a table",
+    "mapping": "a table",
+}
+"""What a study file calls the kinds of values that pydantic's errors name."""
+
+
 def complaint(error: ValidationError, kind: type[BaseModel]) -> str:
     """One thing that pydantic found wrong, as `key = value: what is allowed`, in one line."""
+    errors = error.errors(include_url=False)
     # What is missing is often there by another name.
-    first = min(error.errors(include_url=False), key=lambda found: found["type"] != "extra_forbidden")
-    steps, section = _followed(kind, first["loc"])
-    key, given, said = _dotted(steps), first["input"], str(first["msg"])
+    first = min(errors, key=lambda found: found["type"] != "extra_forbidden")
+    place, said = first["loc"], _allowed(first)
+    # Where a value may be of several kinds there is an error for each, at a place that ends with its name.
+    kinds = [str(found["loc"][-1]) for found in errors if found["loc"] and found["loc"][:-1] == place[:-1]]
+    if len(kinds) > 1 and all(name in KINDS for name in kinds):
+        place, said = place[:-1], f"it must be {' or '.join(dict.fromkeys(KINDS[name] for name in kinds))}"
+    steps, section = _followed(kind, place)
+    key, given = _dotted(steps), first["input"]
+    if first["type"] == "string_pattern_mismatch":
+        said = f"it must be {section.model_fields[str(steps[-1])].description}"
     if first["type"] == "extra_forbidden":
         return f"{key}: there is no such key; it must be {suggestion(str(steps[-1]), section.model_fields)}"
     if first["type"] == "missing":
@@ -52,10 +80,21 @@ def complaint(error: ValidationError, kind: type[BaseModel]) -> str:
     if first["type"] == "union_tag_invalid":
         tag, tags = first["ctx"]["tag"], first["ctx"]["expected_tags"].replace("'", "").split(", ")
         return f"{key}.kind = {tag!r}: it must be {suggestion(tag, tags)}"
-    said = " ".join(said.removeprefix("Value error, ").split())
-    if isinstance(given, Mapping) or first["loc"] == ():
+    if isinstance(given, Mapping) or place == ():
         return f"{key}: {said}" if key else said
-    return f"{key} = {given!r}: {said.replace('Input should be', 'it must be')}"
+    return f"{key} = {given!r}: {said}"
+
+
+def _allowed(error: ErrorDetails) -> str:
+    """What may stand where pydantic found something else, in the words of a study file."""
+    what, _, how = error["type"].partition("_")
+    context = error.get("ctx", {})
+    if what in KINDS and how in ("type", "parsing", "parsing_size", "from_float", "number"):
+        return f"it must be {KINDS[what]}"
+    if error["type"] == "too_short":
+        return f"it has {context['actual_length']} values; it must have at least {context['min_length']}"
+    said = " ".join(str(error["msg"]).removeprefix("Value error, ").split())
+    return said.replace("Input should be", "it must be")
 
 
 def model_at(kind: type[BaseModel], location: Iterable[str | int]) -> type[BaseModel]:

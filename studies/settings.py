@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,10 @@ DEFAULT = "default"
 WIDE = 3
 """How many times as long as the window is that from which two windows take the wrap."""
 
+WIDTHS = (2, 4, 6)
+"""Parts of the band that the sub-bands of a split spectrum are, besides the third by default."""
+
+Kind = Callable[..., Estimator]
 Options = Mapping[str, Any]
 
 
@@ -73,15 +78,17 @@ def settings(sonar: Sonar, looks: int, delay: float) -> list[Setting]:
         Largest true delay [wraps]; the narrow search reaches one wrap further, the wide one to `2 / B`.
     """
     narrow, band = (delay + 1) * sonar.wrap, sonar.bandwidth
+    # A record of an even number of looks lasts not quite as many `1 / B` (studies.patch).
+    held = looks if looks % 2 else looks - 1
     searches: dict[str, Options] = {}
-    if narrow * band < 1 and 2 * narrow * band <= looks:
+    if narrow * band < 1 and 2 * narrow * band <= held:
         searches[f"search {delay + 1:g} wraps"] = {"search": narrow}
-    if looks >= 4:
+    if held >= 4:
         searches["search 2/B"] = {"search": 2 / band}
     lags: dict[str, Options] = {f"{n} lags": {"lags_per_resolution": n} for n in (8, 16)}
     group: dict[str, Options] = {"no refinement": {"refine": False}}
-    widths: dict[str, Options] = {f"b = B/{n}": {"sub_bandwidth": band / n} for n in (2, 4, 6) if n <= looks}
-    bands: dict[str, Options] = {f"{n} bands": {"bands": n} for n in (2, 3, 9) if n <= looks}
+    widths: dict[str, Options] = {f"b = B/{n}": {"sub_bandwidth": band / n} for n in WIDTHS if n <= held}
+    bands: dict[str, Options] = {f"{n} bands": {"bands": n} for n in (2, 3, 9) if n <= held}
     coarse: dict[str, Options] = {f"{n} lags": {"lags_per_resolution": n} for n in (4, 8)}
     strongest: Options = {"peak": "strongest", "lags_per_resolution": 8}
     default: dict[str, Options] = {DEFAULT: {}}
@@ -89,7 +96,7 @@ def settings(sonar: Sonar, looks: int, delay: float) -> list[Setting]:
         *_family("interferogram", Interferogram, default),
         *_family("cross-correlation", CrossCorrelation, default | lags | searches | group),
         *_family("split-spectrum", SplitSpectrum, default | widths | group),
-        *_family("multi-chromatic", MultiChromatic, ({} if looks < 5 else default) | bands | group),
+        *_family("multi-chromatic", MultiChromatic, (default | bands | group) if held >= 5 else bands),
         *_family(
             "phase-slope", FullBandPhaseSlope, default | coarse | searches | {"strongest, 8 lags": strongest} | group
         ),
@@ -99,9 +106,9 @@ def settings(sonar: Sonar, looks: int, delay: float) -> list[Setting]:
     return [*found, *(replace(one, setting="complex64", single=True) for one in found if one.setting == DEFAULT)]
 
 
-def _family(name: str, kind: Callable[..., Estimator], choices: Mapping[str, Options]) -> Iterator[Setting]:
+def _family(name: str, kind: Kind, choices: Mapping[str, Options]) -> Iterator[Setting]:
     for setting, options in choices.items():
-        yield Setting(name, setting, lambda window, _, options=options: kind(window, **options))
+        yield Setting(name, setting, partial(_one_window, kind, options))
 
 
 def _two_windows() -> Iterator[Setting]:
@@ -111,13 +118,15 @@ def _two_windows() -> Iterator[Setting]:
         ("wrap by likelihood", MaximumLikelihood, {}),
         ("wrap by split spectrum", SplitSpectrum, {}),
     ):
+        yield Setting("two-window", setting, partial(_wrap_and_phase, kind, options), WIDE)
 
-        def build(
-            window: FixedWindow, wide: FixedWindow, kind: Callable[..., Estimator] = kind, options: Options = options
-        ) -> Estimator:
-            return TwoWindow(kind(wide), window, **options)
 
-        yield Setting("two-window", setting, build, WIDE)
+def _one_window(kind: Kind, options: Options, window: FixedWindow, wide: FixedWindow) -> Estimator:
+    return kind(window, **options)
+
+
+def _wrap_and_phase(kind: Kind, options: Options, window: FixedWindow, wide: FixedWindow) -> Estimator:
+    return TwoWindow(kind(wide), window, **options)
 
 
 def expected_wrap_rate(estimator: Estimator, looks: float, coherence: float, sonar: Sonar, delay: float) -> float:

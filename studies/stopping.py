@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies import statistics
-from studies.blocks import Stored
 from studies.design import Point, blocks, task
 from studies.measurement import Measurement
 from studies.method import Method
 from studies.moments import Moments
+from studies.stored import Stored
 from studies.study import Study, Until
 
 

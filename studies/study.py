@@ -13,7 +13,7 @@ from studies.levels import Levels
 from studies.method import EstimatorSection
 from studies.patch import Patch
 from studies.plans import Plans
-from studies.section import Section, complaint, model_at, suggestion
+from studies.section import Name, Section, complaint, model_at, suggestion
 from studies.sonar_section import SonarSection
 from studies.swath import Swath
 
@@ -99,7 +99,7 @@ class Study(Section):
         Values that replace others for a first look, as with `--set`: `"trials.count" = 2000`, or those of an axis.
     """
 
-    name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]*$")]
+    name: Name
     question: str
     sonar: SonarSection
     patch: Patch | None = None
@@ -227,7 +227,17 @@ def made(tree: Mapping[str, Any], source: str) -> Study:
 
 
 def load(path: Path) -> Study:
-    """Read a study file; the files that it names by a relative path lie beside it.
+    """Read a study file.
+
+    Parameters
+    ----------
+    path
+        A TOML file (docs/study-files.md); the files that it names by a relative path lie beside it.
+
+    Returns
+    -------
+    Study
+        Checked, but for what only its design points can tell (`engine.check`).
 
     Raises
     ------

@@ -2,6 +2,7 @@
 
 import contextlib
 import re
+import shlex
 import tomllib
 from itertools import islice
 from pathlib import Path
@@ -11,15 +12,24 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
+import studies
 from estimators import FixedWindow, conformance
-from sim import SONARS
+from sim import SONARS, speckle_pair
 from studies import engine, predict, report
 from studies.catalogue import scaling
 from studies.cli import app
 from studies.named import imported
 from studies.study import made
+from studies.tuning import Effort
 
-DOCS = sorted((Path(__file__).parents[1] / "docs").glob("*.md"))
+DOCS = [
+    page
+    for page in sorted((Path(__file__).parents[1] / "docs").rglob("*.md"))
+    if "run in order by tests/test_pages.py" not in page.read_text(encoding="utf-8")
+]
+
+FEW = Effort(timed=2**9, sorting=2**12, confirming=2**18, repeats=1)
+"""How much `tune` measures here."""
 
 COMMANDS = [
     (page, line)
@@ -79,6 +89,25 @@ def test_the_depth_map_is_one(capsys):
     assert "valid_range=" in capsys.readouterr().out
 
 
+def test_the_tuned_estimator_is_one(monkeypatch, capsys):
+    (code,) = (code for _, code in found_in("python") if "studies.tune" in code)
+    monkeypatch.setitem(studies.tune.__kwdefaults__, "effort", FEW)
+    found = {}
+    exec(code, found)
+    pair = speckle_pair(
+        (5, 33),
+        coherence=0.9,
+        delay=0.0,
+        centre_frequency=1e5,
+        bandwidth=3e4,
+        sample_rate=3e4,
+        rng=np.random.default_rng(1),
+    )
+    # The bound is .01 wraps.
+    assert np.all(np.abs(found["estimator"].estimate(pair).delay) < 0.1e-5)
+    assert "Interval(value=" in capsys.readouterr().out
+
+
 def test_the_answer_for_silt_at_300_m():
     found = predict(SONARS["hisas-1032"], 300.0, sediment="silt", kappa=0.0, most_wrap_errors=0.01)
     assert found.best_window.item() == 13
@@ -87,7 +116,9 @@ def test_the_answer_for_silt_at_300_m():
 @pytest.fixture(scope="module")
 def place(tmp_path_factory):
     folder = tmp_path_factory.mktemp("docs")
-    examples = re.findall(r"```toml\n(.*?)```", (DOCS[-1].parent / "study-files.md").read_text(), re.DOTALL)
+    examples = re.findall(
+        r"```toml\n(.*?)```", (Path(__file__).parents[1] / "docs/study-files.md").read_text(), re.DOTALL
+    )
     (scene,) = (example for example in examples if example.startswith('name = "trawl-marks"'))
     for name, example in (("my-study.toml", examples[0]), ("my-scene.toml", scene)):
         (folder / name).write_text(example)
@@ -114,18 +145,21 @@ def place(tmp_path_factory):
 def test_commands_do_what_they_say(place, monkeypatch):
     """In the order of the pages, at a fraction of their size."""
     monkeypatch.chdir(place)
+    monkeypatch.setattr("studies.commands.tune.QUICK", FEW)
     monkeypatch.syspath_prepend(place)
     all_sweeps = scaling.sweeps
     monkeypatch.setattr(scaling, "sweeps", lambda *given: islice(all_sweeps(*given), 2))
     small = ["--set", "patch.looks=9", "--set", "sonar.bandwidth=30 kHz", "--set", "trials.block=50", "--trials", "100"]
     for _, line in COMMANDS:
-        words = line.removeprefix("./run.sh ").split()
+        words = shlex.split(line.removeprefix("./run.sh "), comments=True)
         if words[:2] == ["run", "my-study.toml"]:
             words += ["--trials", "2000", "--jobs", "1"]
         elif words[:2] in (["run", "scaling"], ["run", "peers"]):
             words += ["--set", "experiment.rows=1"]
         elif words[0] == "run":
             words += [*small, "--jobs", "1"]
+        elif words[0] == "tune":
+            words.append("--quick")
         found = CliRunner().invoke(app, words)
         assert found.exit_code == 0, (line, found.output)
     for name in ("pair-estimate", "ml", "whitened"):

@@ -58,19 +58,38 @@ def coherent_pair_probability(looks: ArrayLike, coherence: ArrayLike, relative_b
     """
     Exact probability that the likelihood one wrap away exceeds the one at the true delay.
 
-    `looks` N is real, 1 to 1e9, `coherence` in [0, 1], `relative_bandwidth` `B / fc` above 0 and below
-    2; they broadcast, and outside these ranges the result is NaN. Twice it is the two-sided
-    nearest-wrap rate. Relative error below 1e-6, in the tail too.
+    Twice it is the two-sided nearest-wrap rate. Relative error below 1e-6, in the tail too.
+    Source: the inversion integral of theory section 3, along the vertical through its saddle point.
+
+    Parameters
+    ----------
+    looks, coherence, relative_bandwidth
+        As for `wrap_error_probability`.
+
+    Returns
+    -------
+    ndarray
+        Probability, 0 to 1/2; of the broadcast shape.
     """
     return _over_lines(looks, coherence, relative_bandwidth, pair_probability)
 
 
 def lugannani_rice_pair_probability(looks: ArrayLike, coherence: ArrayLike, relative_bandwidth: ArrayLike) -> Floats:
     """
-    Saddle-point approximation of `coherent_pair_probability`, with the same arguments.
+    Saddle-point approximation of `coherent_pair_probability`.
 
     `Q(r) + phi(r) (1 / v - 1 / r)`, `r^2 = 2 sum ln(1 + x_k)`, `v^2 = 2 sum x_k / (1 + x_k)`,
     `x_k = q sin^2(theta_k / 2)` (Lugannani and Rice 1980).
+
+    Parameters
+    ----------
+    looks, coherence, relative_bandwidth
+        As for `wrap_error_probability`.
+
+    Returns
+    -------
+    ndarray
+        Probability, about 0 to 1/2; of the broadcast shape.
     """
     return _over_lines(looks, coherence, relative_bandwidth, _lugannani_rice)
 

@@ -59,8 +59,18 @@ def coherence_from_snr(snr: ArrayLike) -> Floats:
     """
     Coherence magnitude `gamma = rho / (1 + rho)` of two equally noisy channels.
 
-    `snr` is the power ratio `rho` of one channel, of any shape; infinity gives 1, negative values give NaN.
+    An infinite ratio gives 1.
     Source: common signal, independent noise of equal power in both channels (theory section 2).
+
+    Parameters
+    ----------
+    snr
+        Power ratio of one channel, 0 to infinity; NaN where negative.
+
+    Returns
+    -------
+    ndarray
+        Coherence, 0 to 1; of the same shape.
     """
     rho = within(snr, 0.0, np.inf)
     with np.errstate(divide="ignore"):
@@ -71,8 +81,18 @@ def snr_from_coherence(coherence: ArrayLike) -> Floats:
     """
     Signal-to-noise ratio `rho = gamma / (1 - gamma)` (power ratio) of two equally noisy channels.
 
-    `coherence` is the magnitude in [0, 1], of any shape; 1 gives infinity, values outside [0, 1] give NaN.
+    Full coherence gives infinity.
     Source: paper B (Saebo and Hansen 2023), eq. 4.
+
+    Parameters
+    ----------
+    coherence
+        Magnitude, 0 to 1; NaN elsewhere.
+
+    Returns
+    -------
+    ndarray
+        Power ratio, not in dB; of the same shape.
     """
     gamma = within(coherence, 0.0, 1.0)
     with np.errstate(divide="ignore"):
@@ -83,9 +103,20 @@ def effective_looks(time_bandwidth: ArrayLike) -> Floats:
     """
     Equivalent independent looks `N_eff` of a boxcar window of length T on speckle of flat bandwidth B.
 
-    `time_bandwidth` is the product `B T` in [0, 1e300], of any shape; zero gives one look; NaN elsewhere.
+    A window of no length has one look.
     `1 / N_eff = 2 int_0^1 (1 - u) sinc(B T u)^2 du`, which with `x = pi B T` is
     `2 Si(2 x) / x - 2 (sin(x) / x)^2 - Cin(2 x) / x^2`, where `Cin(z) = int_0^z (1 - cos t) / t dt`.
+    Source: theory section 2, the variance of a mean of correlated intensities.
+
+    Parameters
+    ----------
+    time_bandwidth
+        `B T`, 0 to 1e300; NaN elsewhere.
+
+    Returns
+    -------
+    ndarray
+        Looks, 1 or more; of the same shape.
     """
     x = np.pi * within(time_bandwidth, 0.0, 1e300)
     # Cin = euler + log - Ci cancels near zero, where three terms of the series are exact to rounding.

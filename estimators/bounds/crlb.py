@@ -20,6 +20,16 @@ def phase_crlb(looks: ArrayLike, coherence: ArrayLike) -> Floats:
     Bound of the interferometric phase [rad]: `sqrt(K)`.
 
     Source: Seymour and Cumming 1994; paper B (Saebo and Hansen 2023), eq. 3 without its geometry.
+
+    Parameters
+    ----------
+    looks, coherence
+        Independent looks N, real, above 0; coherence magnitude, 0 to 1. NaN elsewhere.
+
+    Returns
+    -------
+    ndarray
+        In radians; of the broadcast shape.
     """
     n = within(looks, 0.0, np.inf)
     gamma = within(coherence, 0.0, 1.0)
@@ -34,6 +44,23 @@ def group_delay_crlb(looks: ArrayLike, coherence: ArrayLike, bandwidth: ArrayLik
     Bound of the delay [s] when the phase offset is unknown: `sqrt(12 K) / (2 pi B)`, flat bandwidth B [Hz].
 
     Source: Fisher information of a flat band, whose mean square frequency about its centre is `B^2 / 12`.
+
+    Parameters
+    ----------
+    looks, coherence
+        As for `phase_crlb`.
+    bandwidth
+        Flat bandwidth B [Hz].
+
+    Returns
+    -------
+    ndarray
+        In seconds; of the broadcast shape.
+
+    Raises
+    ------
+    ValueError
+        For a bandwidth that is not finite and positive.
     """
     b = positive("bandwidth", bandwidth, "Hz")
     bound: Floats = phase_crlb(looks, coherence) * (12.0**0.5 / (2.0 * np.pi)) / b
@@ -46,8 +73,25 @@ def coherent_delay_crlb(
     """
     Bound of the delay [s] from carrier phase and band together, the wrap being known.
 
-    `sqrt(K) / (2 pi sqrt(fc^2 + B^2 / 12))` with centre frequency fc [Hz] and flat bandwidth B [Hz].
+    `sqrt(K) / (2 pi sqrt(fc^2 + B^2 / 12))`.
     Source: Fisher information of a flat band about zero frequency.
+
+    Parameters
+    ----------
+    looks, coherence
+        As for `phase_crlb`.
+    centre_frequency, bandwidth
+        `fc` and flat bandwidth B [Hz].
+
+    Returns
+    -------
+    ndarray
+        In seconds; of the broadcast shape.
+
+    Raises
+    ------
+    ValueError
+        For a frequency that is not finite and positive.
     """
     fc = positive("centre_frequency", centre_frequency, "Hz")
     b = positive("bandwidth", bandwidth, "Hz")
@@ -62,8 +106,25 @@ def split_spectrum_crlb(
     Bound of the delay [s] from the phase difference of the two outer sub-bands of width b [Hz].
 
     Group-delay bound times `sqrt(B^3 / (6 b (B - b)^2))`, least at `b = B / 3`, there `sqrt(9 / 8)`.
-    `looks` counts the full band B [Hz]. ValueError where the sub-bands overlap, `b > B / 2`.
+    `looks` counts the full band.
     Source: two independent phases of `N b / B` looks each, `B - b` apart.
+
+    Parameters
+    ----------
+    looks, coherence
+        As for `phase_crlb`.
+    bandwidth, sub_bandwidth
+        B and b [Hz].
+
+    Returns
+    -------
+    ndarray
+        In seconds; of the broadcast shape.
+
+    Raises
+    ------
+    ValueError
+        For a width that is not finite and positive, and sub-bands that overlap, `b > B / 2`.
     """
     total = positive("bandwidth", bandwidth, "Hz")
     sub = positive("sub_bandwidth", sub_bandwidth, "Hz")
@@ -80,6 +141,23 @@ def intensity_delay_crlb(looks: ArrayLike, coherence: ArrayLike, bandwidth: Arra
 
     `sqrt(3 / (10 N)) sqrt(2 + 5 gamma^2 - 7 gamma^4) / (pi gamma^2 B)`.
     Source: Bamler and Eineder 2005; the polynomial is factored as `(1 - gamma^2)(2 + 7 gamma^2)`.
+
+    Parameters
+    ----------
+    looks, coherence
+        As for `phase_crlb`.
+    bandwidth
+        Flat bandwidth B [Hz].
+
+    Returns
+    -------
+    ndarray
+        In seconds; of the broadcast shape.
+
+    Raises
+    ------
+    ValueError
+        For a bandwidth that is not finite and positive.
     """
     b = positive("bandwidth", bandwidth, "Hz")
     gamma = within(coherence, 0.0, 1.0)
@@ -100,8 +178,24 @@ def depth_crlb(
     """
     Bound of the depth [m] from phase alone, the wrap being known: `(r c / D) sqrt(K) / (2 pi fc)`.
 
-    Centre frequency fc [Hz], slant range r [m], vertical baseline D [m], sound speed c [m/s].
     Source: paper B (Saebo and Hansen 2023), eq. 3.
+
+    Parameters
+    ----------
+    looks, coherence
+        As for `phase_crlb`.
+    centre_frequency, slant_range, baseline, sound_speed
+        `fc` [Hz], r [m], vertical baseline D [m] and c [m/s].
+
+    Returns
+    -------
+    ndarray
+        In metres; of the broadcast shape.
+
+    Raises
+    ------
+    ValueError
+        For a frequency, length or speed that is not finite and positive.
     """
     return phase_crlb(looks, coherence) * depth_of_phase(centre_frequency, slant_range, baseline, sound_speed)
 

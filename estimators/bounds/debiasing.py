@@ -22,9 +22,19 @@ def debias_coherence(sample_coherence: ArrayLike, looks: ArrayLike) -> Floats:
     """
     Coherence whose mean sample coherence is `sample_coherence`: the inverse of `sample_coherence_mean`.
 
-    Values below the bias floor give 0, values of 1 and above give 1; NaN where looks is not above 1 and at
-    most 1e9. The relative error is below 1e-6, beside what rounding of the argument makes of a coherence
-    near the floor.
+    Values below the bias floor give 0, values of 1 and above give 1. The relative error is below 1e-6, beside what
+    rounding of the argument makes of a coherence near the floor.
+    Source: theory section 4 for the mean; its inverse is by tables.
+
+    Parameters
+    ----------
+    sample_coherence, looks
+        Sample coherence, 0 to 1; independent looks, real, above 1 to 1e9, NaN elsewhere.
+
+    Returns
+    -------
+    ndarray
+        Coherence, 0 to 1; of the broadcast shape.
     """
     one = within(looks, 1.0, MOST_LOOKS)
     both = np.broadcast_arrays(np.asarray(sample_coherence, dtype=np.float64), one)

@@ -15,8 +15,17 @@ def gaussian_wrap_error_probability(looks: ArrayLike, coherence: ArrayLike, rela
     Chance that a Gaussian group delay is off by half a carrier period: `2 Q(d)`, `d = 1 / (2 fc sigma_group)`.
 
     The bound is that of N lines B / N apart, whose mean square bandwidth is `1 - 1 / N^2` of the flat
-    band's. 10 to 67 % below `wrap_error_probability` in theory section 3, its source. `looks` N from 1 to
-    1e9, `coherence` in [0, 1], `relative_bandwidth` `B / fc` above 0 and below 2; they broadcast, NaN outside.
+    band's. 10 to 67 % below `wrap_error_probability` in theory section 3, its source.
+
+    Parameters
+    ----------
+    looks, coherence, relative_bandwidth
+        As for `wrap_error_probability`.
+
+    Returns
+    -------
+    ndarray
+        Probability, 0 to 1; of the broadcast shape.
     """
     n = within(looks, 1.0, MOST_LOOKS)
     half_period = np.pi / np.sqrt(12.0) * open_ratio(relative_bandwidth) * np.sqrt((1.0 - 1.0 / n) * (1.0 + 1.0 / n))
@@ -33,8 +42,23 @@ def gaussian_split_spectrum_wrap_error_probability(
     """
     The same for the split spectrum: `2 Q(d)`, `d = 1 / (2 fc sigma_split)`, without phase ambiguity.
 
-    Arguments and validity as in `split_spectrum_wrap_error_probability`, whose Gaussian approximation it is.
+    The Gaussian approximation of `split_spectrum_wrap_error_probability`.
     Source: `split_spectrum_crlb`; two phases of `N b / B` looks each, compared over `B - b`.
+
+    Parameters
+    ----------
+    looks, coherence, relative_bandwidth, sub_band_share
+        As for `split_spectrum_wrap_error_probability`.
+
+    Returns
+    -------
+    ndarray
+        Probability, 0 to 1; of the broadcast shape.
+
+    Raises
+    ------
+    ValueError
+        For a share outside these limits.
     """
     if not 0.0 < sub_band_share <= 0.5:
         raise ValueError(f"sub_band_share is {sub_band_share}; it must be above 0 and at most 0.5")

@@ -35,6 +35,19 @@ def multilook_phase_pdf(phase: ArrayLike, looks: ArrayLike, coherence: ArrayLike
     `(L - 1/2) / (4 pi) (1 - gamma^2)^L y^(-L-1/2) int_0^inf s (y + s)^(L-3/2) (1 + s)^(-2L) ds` with
     `y = (1 - gamma) / 2 + gamma sin^2(phase / 2)`: Euler's integral of `2F1(2, 2L; L + 3/2; 1 - y)`. Relative
     error below 1e-7.
+    Source: theory section 4.
+
+    Parameters
+    ----------
+    phase
+        Any phase error [rad].
+    looks, coherence
+        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
+
+    Returns
+    -------
+    ndarray
+        In 1/rad; of the broadcast shape.
     """
     phi, n, gamma = _arguments(phase, looks, coherence)
     y = 0.5 * (1.0 - gamma) + gamma * np.sin(0.5 * phi) ** 2
@@ -69,6 +82,19 @@ def multilook_phase_cdf(phase: ArrayLike, looks: ArrayLike, coherence: ArrayLike
     Probability that the multilook phase error is below `phase` [rad], in [-pi, pi]; NaN beyond.
 
     Relative error below 1e-6, also in the lower tail; `1 - cdf(phase)` is `cdf(-phase)`.
+    Source: the phase of a constant in Gaussian noise (Craig 1991), averaged over gamma distributed power.
+
+    Parameters
+    ----------
+    phase
+        Phase error [rad], -pi to pi; NaN beyond.
+    looks, coherence
+        As for `multilook_phase_pdf`.
+
+    Returns
+    -------
+    ndarray
+        Probability, 0 to 1; of the broadcast shape.
     """
     phi, n, gamma = _arguments(within(phase, -np.pi, np.pi), looks, coherence)
     tail = _upper_tail(np.abs(phi), n, gamma)
@@ -118,6 +144,17 @@ def multilook_phase_std(looks: ArrayLike, coherence: ArrayLike) -> Floats:
     `sigma^2 = 1/2 int_0^1 (1 + q x)^-L (-ln(1 - x)) dx / x + 1/2 int_1^inf (1 + q x)^-L ln((sqrt(x) + 1) /
     (sqrt(x) - 1)) dx / x`, `q = gamma^2 / (1 - gamma^2)`: four times the integral of phase times upper tail, in
     whose double integral `x = sin^2 psi / sin^2 theta` is fixed first. By trapezoids; relative error below 1e-10.
+    Source: theory section 4 for the law; the two integrals are derived here.
+
+    Parameters
+    ----------
+    looks, coherence
+        As for `multilook_phase_pdf`.
+
+    Returns
+    -------
+    ndarray
+        In radians; of the broadcast shape.
     """
     _, n, gamma = _arguments(0.0, looks, coherence)
     q = signal_strength(gamma)
@@ -142,6 +179,24 @@ def multilook_depth_std(
 
     `(r c / D) multilook_phase_std / (2 pi fc)`: what `estimators.bounds.depth_crlb`, which has the same arguments,
     is the bound of.
+    Source: theory section 4; the geometry is that of paper B, eq. 3.
+
+    Parameters
+    ----------
+    looks, coherence
+        As for `multilook_phase_pdf`.
+    centre_frequency, slant_range, baseline, sound_speed
+        As for `depth_crlb`.
+
+    Returns
+    -------
+    ndarray
+        In metres; of the broadcast shape.
+
+    Raises
+    ------
+    ValueError
+        For a frequency, length or speed that is not finite and positive.
     """
     return multilook_phase_std(looks, coherence) * depth_of_phase(centre_frequency, slant_range, baseline, sound_speed)
 
@@ -160,6 +215,19 @@ def multilook_phase_quantile(probability: ArrayLike, looks: ArrayLike, coherence
     Phase error [rad] that `multilook_phase_cdf` takes to `probability`, in [0, 1]; NaN beyond.
 
     Newton steps on the log of the tail, kept within a bracket that halves when a step leaves it.
+    Source: the inverse of `multilook_phase_cdf`, theory section 4.
+
+    Parameters
+    ----------
+    probability
+        0 to 1; NaN beyond.
+    looks, coherence
+        As for `multilook_phase_pdf`.
+
+    Returns
+    -------
+    ndarray
+        In radians; of the broadcast shape.
     """
     p, n, gamma = _arguments(within(probability, 0.0, 1.0), looks, coherence)
     goal = np.minimum(p, 1.0 - p)
@@ -196,8 +264,26 @@ def sample_multilook_phase(
     """
     Exact draws [rad] of the multilook phase error, `arg(gamma sqrt(G) + sqrt(1 - gamma^2) w)`.
 
-    `size` is the shape of the result, by default the broadcast shape of `looks` and `coherence`. ValueError
-    where these are outside their ranges.
+    Source: theory section 4.
+
+    Parameters
+    ----------
+    looks, coherence
+        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1.
+    rng
+        The only source of chance.
+    size
+        Shape of the result; the broadcast shape of looks and coherence where None.
+
+    Returns
+    -------
+    ndarray
+        In radians; of that shape.
+
+    Raises
+    ------
+    ValueError
+        For looks or a coherence outside these limits.
     """
     n, gamma = checked_looks_and_coherence(looks, coherence)
     shape = n.shape if size is None else size

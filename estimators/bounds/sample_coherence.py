@@ -28,6 +28,19 @@ def sample_coherence_pdf(value: ArrayLike, looks: ArrayLike, coherence: ArrayLik
 
     Relative error below 1e-7.
     NaN too at one look and at full coherence, where the sample coherence is 1 without spread.
+    Source: Touzi and Lopes 1996, in a form whose terms are all positive.
+
+    Parameters
+    ----------
+    value
+        Sample coherence, 0 to 1; NaN beyond.
+    looks, coherence
+        As for `sample_coherence_mean`.
+
+    Returns
+    -------
+    ndarray
+        Density over coherence; of the broadcast shape.
     """
     g, n, gamma = np.broadcast_arrays(
         within(value, 0.0, 1.0), within(looks, 1.0, MOST_LOOKS), within(coherence, 0.0, 1.0)
@@ -107,6 +120,16 @@ def sample_coherence_mean(looks: ArrayLike, coherence: ArrayLike) -> Floats:
     Equal to `Gamma(L) Gamma(3/2) / Gamma(L + 1/2) (1 - gamma^2)^L 3F2(3/2, L, L; L + 1/2, 1; gamma^2)` (Touzi and
     Lopes 1996); at zero coherence the bias floor `(sqrt(pi) / 2) Gamma(L) / Gamma(L + 1/2)`. Relative error below
     1e-10.
+
+    Parameters
+    ----------
+    looks, coherence
+        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
+
+    Returns
+    -------
+    ndarray
+        0 to 1; of the broadcast shape.
     """
     return sample_coherence_moments(looks, coherence)[0]
 
@@ -116,6 +139,17 @@ def sample_coherence_std(looks: ArrayLike, coherence: ArrayLike) -> Floats:
     Standard deviation of the sample coherence, `sqrt(E[g^2] - E[g]^2)`, from the density about its mean.
 
     Relative error below 1e-8, also where mean and standard deviation are far apart.
+    Source: Touzi and Lopes 1996.
+
+    Parameters
+    ----------
+    looks, coherence
+        As for `sample_coherence_mean`.
+
+    Returns
+    -------
+    ndarray
+        0 to 1/2; of the broadcast shape.
     """
     return sample_coherence_moments(looks, coherence)[2]
 
@@ -131,8 +165,23 @@ def sample_sample_coherence(
     Exact draws of the sample coherence magnitude.
 
     `g^2 = X / (X + Y)` with `X = |gamma sqrt(G) + sqrt(1 - gamma^2) w|^2`, `G ~ Gamma(L, 1)`, `w ~ CN(0,
-    1)` and `Y = (1 - gamma^2) Gamma(L - 1, 1)`, which is the negative binomial mixture of beta laws. `size`
-    as in `sample_multilook_phase`; ValueError where looks or coherence are outside their ranges.
+    1)` and `Y = (1 - gamma^2) Gamma(L - 1, 1)`, which is the negative binomial mixture of beta laws.
+    Source: theory section 4.
+
+    Parameters
+    ----------
+    looks, coherence, rng, size
+        As for `sample_multilook_phase`.
+
+    Returns
+    -------
+    ndarray
+        0 to 1; of that shape.
+
+    Raises
+    ------
+    ValueError
+        For looks or a coherence outside these limits.
     """
     n, gamma = checked_looks_and_coherence(looks, coherence)
     shape = n.shape if size is None else size

@@ -32,9 +32,26 @@ def split_spectrum_wrap_error_probability(
         P = sin T / (2 pi B(L, 1/2)) int int A^-2L / (cosh d - cos T) dy dd,
         A = cosh y + q (cosh d - cos T) / (2 cosh(y - d)).
 
-    `looks` N (`N b / B` from 1 to 1e9), `coherence` in [0, 1] and `relative_bandwidth` `B / fc` above 0 and
-    below 2 broadcast; NaN outside. `sub_band_share` is `b / B`, above 0 and at most one half, else ValueError.
     Relative error below 1e-6 up to a million looks, in the tail too.
+
+    Parameters
+    ----------
+    looks, coherence
+        Independent looks N of the full band, `N b / B` from 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
+    relative_bandwidth
+        `B / fc`, above 0 and below 2; NaN elsewhere.
+    sub_band_share
+        `b / B`, above 0 to 1/2.
+
+    Returns
+    -------
+    ndarray
+        Probability, 0 to 1; of the broadcast shape.
+
+    Raises
+    ------
+    ValueError
+        For a share outside these limits.
     """
     if not 0.0 < sub_band_share <= 0.5:
         raise ValueError(f"sub_band_share is {sub_band_share}; it must be above 0 and at most 0.5")

@@ -31,14 +31,24 @@ def wrap_error_probability(looks: ArrayLike, coherence: ArrayLike, relative_band
     refines it, and of the likelihood, the rate is up to 1.15 times as high at `B / fc` = .3 and 1.45 times at
     .6, at 1e-6: `cross_correlation_wrap_error_probability` and `likelihood_wrap_error_probability` have that.
 
-    `looks` N is real, 1 to 1e9 (one look cannot tell wraps apart and gives 1), `coherence` gamma is a
-    magnitude in [0, 1], `relative_bandwidth` is `B / fc`, above 0 and below 2. They broadcast; NaN outside
-    these ranges.
-
+    One look cannot tell wraps apart and gives 1.
     Within 1e-3 of the exact average at whole looks for rates down to 1e-20, at up to 14 looks to 1e-60; above,
     within 6 % to 1e-35, and no more than the order of magnitude below.
     Real looks are interpolated smoothly between whole ones. It falls with coherence and, for bands up to the centre
     frequency, with looks and bandwidth; beyond, so few as two and three lines may alias.
+    Source: theory section 3, envelope pair.
+
+    Parameters
+    ----------
+    looks, coherence
+        Independent looks, real, 1 to 1e9; coherence magnitude, 0 to 1. NaN elsewhere.
+    relative_bandwidth
+        `B / fc`, above 0 and below 2; NaN elsewhere.
+
+    Returns
+    -------
+    ndarray
+        Probability, 0 to 1; of the broadcast shape.
     """
     return 2.0 * envelope_pair_probability(looks, coherence, relative_bandwidth)
 
@@ -47,7 +57,18 @@ def envelope_pair_probability(looks: ArrayLike, coherence: ArrayLike, relative_b
     """
     Probability that the envelope one wrap away exceeds the one at the true delay, averaged over speckle.
 
-    Arguments, shapes and validity as in `wrap_error_probability`, of which it is one half.
+    One half of `wrap_error_probability`.
+    Source: theory section 3, envelope pair.
+
+    Parameters
+    ----------
+    looks, coherence, relative_bandwidth
+        As for `wrap_error_probability`.
+
+    Returns
+    -------
+    ndarray
+        Probability, 0 to 1/2; of the broadcast shape.
     """
     n, gamma, ratio = np.broadcast_arrays(
         within(looks, 1.0, MOST_LOOKS), within(coherence, 0.0, 1.0), open_ratio(relative_bandwidth)
@@ -68,8 +89,25 @@ def several_wraps_error_probability(
 
     An upper bound of the probability that any of `wraps` whole wraps on either side wins; a search, which
     also ends between them, may err more often in bands about as wide as the centre frequency.
-    Lags beyond half the window, `m B / fc > N / 2`, are left out. Otherwise as
-    `wrap_error_probability`; ValueError unless `wraps` is at least one.
+    Lags beyond half the window, `m B / fc > N / 2`, are left out.
+    Source: theory section 3, envelope pair.
+
+    Parameters
+    ----------
+    looks, coherence, relative_bandwidth
+        As for `wrap_error_probability`.
+    wraps
+        Whole wraps on either side, at least 1.
+
+    Returns
+    -------
+    ndarray
+        Probability, 0 to 1; of the broadcast shape.
+
+    Raises
+    ------
+    ValueError
+        For less than one wrap.
     """
     if wraps < 1:
         raise ValueError(f"wraps is {wraps}; it must be at least 1")

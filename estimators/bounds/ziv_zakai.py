@@ -38,13 +38,28 @@ def ziv_zakai_delay_std(
     Ziv-Zakai bound of the delay's RMS error [s], for a uniform prior of `prior_width` T [s].
 
     `MSE >= int_0^T h V{(1 - h / T) P(h)} dh`: P the coherent pair at lag h, V valley filling (Bell et
-    al. 1997). `looks` N is real, 1 to 1e9, `coherence` in [0, 1]; NaN outside. Frequencies [Hz] and
-    prior must be finite and positive and the bandwidth below twice the centre frequency, else
-    ValueError. All broadcast. The N lines repeat after `N / B`: a wider prior counts their ambiguity too.
+    al. 1997). The N lines repeat after `N / B`: a wider prior counts their ambiguity too.
 
     Relative error below 1e-3 (7e-4 at worst against dense lags, at looks of 1 to 1e6, coherence of 1e-6 to
     1 - 1e-12, `B / fc` of 1e-4 to 1.9). Where wraps are rare it is the coherent Cramer-Rao bound times about
     `1 - 1.06 sigma / T`, for the finite prior.
+
+    Parameters
+    ----------
+    looks, coherence
+        As for `wrap_error_probability`.
+    centre_frequency, bandwidth, prior_width
+        `fc` and B [Hz], and T [s].
+
+    Returns
+    -------
+    ndarray
+        In seconds; of the broadcast shape.
+
+    Raises
+    ------
+    ValueError
+        For a frequency or prior that is not finite and positive, and a bandwidth of `2 fc` or more.
     """
     fc = positive("centre_frequency", centre_frequency, "Hz")
     b = positive("bandwidth", bandwidth, "Hz")

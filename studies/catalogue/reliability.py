@@ -22,7 +22,9 @@ from studies import figures
 from studies.drawing import Examples
 
 LOOKS = (5, 9, 15, 33, 81)
-COHERENCES = (0.1, 0.3, 0.5, 0.7, 0.9, 0.97)
+COHERENCES = (0.098, 0.29, 0.471, 0.634, 0.773, 0.882, 0.957, 0.995)
+"""Even in the angle whose sine they are, the prior with which estimates doubt their wraps: claims hold over all
+of these together."""
 EDGES = np.array([0.0, 1e-3, 3e-3, 0.01, 0.03, 0.1, 0.2, 0.35, 0.5, 0.7, 0.9, 1.0])
 """Of the bins of claimed probability."""
 

@@ -1,15 +1,17 @@
 """How time and memory of every stage grow, with fitted exponents beside those that `docs/scaling.md` promises."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from sim import Sonar
+from sim.band import Real
 from studies import figures
 from studies.catalogue.scaling_stages import Sweep, sweeps
 from studies.drawing import Examples
@@ -45,22 +47,30 @@ def measure(sonar: Sonar, rows: int, rng: np.random.Generator) -> pd.DataFrame:
     found: list[dict[str, Any]] = []
     with one_thread():
         for sweep in sweeps(sonar, rows, rng):
-            found += _rows(sweep, "time", least_times(sweep, rows + 1), sweep.time)
+            found += _rows(sweep, "time", timed(sweep, rows + 1), sweep.time)
             if sweep.variable != "jobs":
-                found += _rows(sweep, "memory", [peak_bytes(case) for case in sweep.cases], sweep.memory)
+                peaks = np.array([[peak_bytes(case)] for case in sweep.cases], dtype=float)
+                found += _rows(sweep, "memory", peaks, sweep.memory)
     return pd.DataFrame(found)
 
 
-def least_times(sweep: Sweep, turns: int) -> list[float]:
-    """Least time of each size in so many turns [s]."""
+def timed(sweep: Sweep, turns: int) -> Real:
+    """Time of each size in every turn [s], shape (size, turn)."""
     often = []
     for case in sweep.cases:
-        start = sweep.clock()
-        case()
-        often.append(max(1, math.ceil(SHORTEST / max(sweep.clock() - start, SHORTEST / 1000))))
+        # What is short is called once more, as the first call is slow.
+        took = _once(case, sweep.clock)
+        took = _once(case, sweep.clock) if took < SHORTEST else took
+        often.append(max(1, math.ceil(SHORTEST / max(took, SHORTEST / 1000))))
     cases = {str(n): _several(case, k) for n, case, k in zip(sweep.sizes, sweep.cases, often, strict=True)}
-    found = in_turns(cases, turns, sweep.clock)
-    return [float(times.min()) / n for times, n in zip(found.values(), often, strict=True)]
+    seconds: Real = np.array(list(in_turns(cases, turns, sweep.clock).values())) / np.array(often)[:, None]
+    return seconds
+
+
+def _once(case: Case, clock: Callable[[], float]) -> float:
+    start = clock()
+    case()
+    return clock() - start
 
 
 def _several(case: Case, times: int) -> Case:
@@ -71,20 +81,24 @@ def _several(case: Case, times: int) -> Case:
     return work
 
 
-def _rows(sweep: Sweep, of: str, costs: list[float] | list[int], promised: float | None) -> Iterator[dict[str, Any]]:
-    flat = promised == 0
-    law = power_law(sweep.sizes, costs, fixed=not flat and len(costs) > 2)
+def _rows(sweep: Sweep, of: str, turns: Real, promised: float | None) -> Iterator[dict[str, Any]]:
+    costs = turns.min(axis=1)
+    if len(costs) > 2:
+        law = power_law(sweep.sizes, costs, fixed=promised != 0)
+    else:
+        # Of two sizes only turns that differ tell the standard error.
+        law = power_law(np.repeat(sweep.sizes, turns.shape[1]), turns.ravel(), fixed=False)
     whole = {
         "exponent": law.exponent,
         "exponent_se": law.exponent_se,
         "promised": np.nan if promised is None else promised,
         "within": "" if promised is None else "yes" if abs(law.exponent - promised) <= TOLERANCE else "no",
         "fixed": law.fixed,
-        "smallest": costs[0],
-        "largest": costs[-1],
+        "smallest": float(costs[0]),
+        "largest": float(costs[-1]),
     }
     for number, (size, cost, fitted) in enumerate(zip(sweep.sizes, costs, law.at(sweep.sizes), strict=True)):
-        of_size = {"number": number, "size": size, "cost": cost, "fitted": float(fitted)}
+        of_size = {"number": number, "size": size, "cost": float(cost), "fitted": float(fitted)}
         yield {"stage": sweep.stage, "variable": sweep.variable, "of": of, **of_size, **whole}
 
 
@@ -157,7 +171,13 @@ def _figure(table: pd.DataFrame, label: str, unit: float) -> Figure:
         panel.set_yscale("log")
         panel.set_xlabel(name)
         panel.set_title("simulator" if of_simulator else "engine" if name in ("trials", "jobs") else "estimators")
-        panel.legend(fontsize=6)
+        panel.xaxis.set_minor_formatter(NullFormatter())
+        if name == "jobs":
+            panel.set_xticks(rows["size"].unique(), [f"{n:.0f}" for n in rows["size"].unique()])
+        if name == "window":
+            # Room for the legend.
+            panel.set_ylim(top=100 * panel.get_ylim()[1])
+        panel.legend(fontsize=6, ncols=2 if name == "window" else 1)
     for panel in panels[len(chosen) :]:
         panel.set_axis_off()
     for line in axes:

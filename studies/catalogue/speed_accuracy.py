@@ -138,14 +138,10 @@ def answer(table: pd.DataFrame) -> str:
         )
     dominated = int(found.dominated.sum())
     return (
-        f"Cheapest within a tenth of the least RMSE are {_listed(said)}; {dominated} of {len(found)} settings are beaten "
-        f"by another in cost and RMSE."
+        f"Cheapest within a tenth of the least RMSE are {'; '.join(said)}; {dominated} of {len(found)} settings are "
+        f"beaten by another in cost and RMSE."
     )
 
 
 def _rate(row: Mapping[str, Any]) -> str:
     return f"a wrap-error rate of {row['wrap_rate']:.2g} ({row['wrap_rate_low']:.2g} to {row['wrap_rate_high']:.2g})"
-
-
-def _listed(words: list[str]) -> str:
-    return "; ".join(words)

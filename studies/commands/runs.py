@@ -1,7 +1,6 @@
 """Runs of studies: to start, go on with, look at, repeat in part and join."""
 
 import sys
-import tomllib
 from itertools import chain, count
 from pathlib import Path
 from typing import Annotated, Any
@@ -9,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from studies import catalogue, engine, manifest, report, shards
-from studies.commands.terminal import console, one_line_errors
+from studies.commands.terminal import console, one_line_errors, toml_value
 from studies.progress import progress
 from studies.replay import one_block, one_trial
 from studies.status import status as status_of
@@ -40,7 +39,7 @@ def run(
 ) -> None:
     """Run studies, or go on with an earlier run: OUT/NAME/ gets the blocks, the tables, the figures and the report."""
     with one_line_errors():
-        values = dict(_key_and_value(text) for text in setting or [])
+        values = dict(key_and_value(text) for text in setting or [])
         if trials is not None:
             values["trials.count"] = trials
         studies = [_configured(name, quick, values, estimator or []) for name in names]
@@ -106,22 +105,14 @@ def _configured(name: str, quick: bool, values: dict[str, Any], estimators: list
     return study.with_values(values).of_estimators(estimators)
 
 
-def _key_and_value(text: str) -> tuple[str, Any]:
+def key_and_value(text: str) -> tuple[str, Any]:
+    """Key and value, or values, of an option --set."""
     key, separator, value = text.partition("=")
     if not separator:
         raise ValueError(f"--set is {text!r}; it must be KEY=VALUE")
-    parts = (
-        [_parsed(part.strip()) for part in value.split(",")] if not value.startswith(("[", "{")) else [_parsed(value)]
-    )
-    return key, parts[0] if len(parts) == 1 else parts
-
-
-def _parsed(text: str) -> Any:
-    """A value as TOML reads it, or text where it does not."""
-    try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
-        return text
+    parts = [value] if value.startswith(("[", "{")) else [part.strip() for part in value.split(",")]
+    values = [toml_value(part) for part in parts]
+    return key, values[0] if len(values) == 1 else values
 
 
 def _free(folder: Path) -> Path:

@@ -1,8 +1,10 @@
 """What all commands share: where they print, and how they fail."""
 
 import sys
+import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import typer
 from rich.console import Console
@@ -22,3 +24,11 @@ def one_line_errors() -> Iterator[None]:
     except KeyboardInterrupt:
         print("twinecho: stopped; what is finished of a run is stored, and the same command goes on", file=sys.stderr)
         raise typer.Exit(130) from None
+
+
+def toml_value(text: str) -> Any:
+    """A value as TOML reads it, or text where it does not."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text

@@ -119,7 +119,7 @@ def estimated(method, window, pair):
 
 
 @method
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(given_=pairs())
 def test_nothing_is_valid_of_a_form_that_cannot_be(method, given_):
     pair, window = given_
@@ -132,7 +132,7 @@ def test_nothing_is_valid_of_a_form_that_cannot_be(method, given_):
 
 
 @method
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(
     coherence=COHERENCE,
     relative_bandwidth=BANDWIDTH,
@@ -164,7 +164,7 @@ def test_claims_hold(method, coherence, relative_bandwidth, samples, share, circ
 
 
 @method
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(given_=pairs(), power=st.integers(-20, 20), other=st.integers(-20, 20))
 def test_powers_of_two_change_no_bit(method, given_, power, other):
     pair, window = given_

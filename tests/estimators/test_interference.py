@@ -101,6 +101,14 @@ def test_numbers_of_any_size_are_taken(exponent):
     np.testing.assert_allclose(scaled, coherence, rtol=1e-12)
 
 
+def test_single_pixels_of_any_brightness_are_coherent():
+    # Products of energies of float32 span twice its range.
+    image = np.geomspace(1e-18, 1e18, 60).astype(np.complex64)[None]
+    product, coherence = interferogram(image, image, 1, 1, circular=False)
+    np.testing.assert_allclose(product, image.conj() * image, rtol=1e-6)
+    np.testing.assert_allclose(coherence, 1, rtol=1e-6)
+
+
 def test_images_are_read_where_they_lie(monkeypatch):
     seen = []
     monkeypatch.setattr(interference, "interfere", lambda p, s, *_: seen.append((p, s)))

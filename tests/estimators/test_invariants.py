@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shipped import METHODS as SHIPPED
 
 from estimators import (
     CrossCorrelation,
@@ -20,16 +21,9 @@ from estimators import (
 )
 
 METHODS = {
-    "interferogram": Interferogram,
-    "cross-correlation": CrossCorrelation,
-    "cross-correlation-group": lambda window: CrossCorrelation(window, refine=False),
-    "split-spectrum": SplitSpectrum,
-    "multi-chromatic": lambda window: MultiChromatic(window, bands=3),
+    **SHIPPED,
     "multi-chromatic-group": lambda window: MultiChromatic(window, bands=6, refine=False),
-    "maximum-likelihood": MaximumLikelihood,
-    "phase-slope": lambda window: FullBandPhaseSlope(window, lags_per_resolution=8),
     "phase-slope-strongest": lambda window: FullBandPhaseSlope(window, peak="strongest", lags_per_resolution=8),
-    "two-window": lambda window: TwoWindow(CrossCorrelation(window)),
     "two-window-wide": lambda window: TwoWindow(MaximumLikelihood(window), FixedWindow(1, 5)),
 }
 WRAP = 1 / 100e3
@@ -141,14 +135,28 @@ def test_windows_that_leave_a_measured_record_are_not_valid(make_patch, method):
     assert estimate.valid[1:-1, 4:-4].any()
 
 
+@pytest.mark.parametrize("rows", [1, 3, 4])
 @method
-def test_the_result_does_not_depend_on_the_rows_in_a_block(make_patch, method, monkeypatch):
+def test_the_result_does_not_depend_on_the_rows_in_a_block(make_patch, method, rows, monkeypatch):
     pair = make_patch(11, 40, coherence=0.7)
-    whole = method(FixedWindow(4, 9)).estimate(pair)
+    whole = method(FixedWindow(rows, 9)).estimate(pair)
     monkeypatch.setattr("estimators.search.BLOCK_BYTES", 1)
-    by_row = method(FixedWindow(4, 9)).estimate(pair)
+    monkeypatch.setattr("estimators.search.NEAR_BYTES", 1)
+    by_row = method(FixedWindow(rows, 9)).estimate(pair)
     for name in ("delay", "coherence", "quality", "valid"):
         np.testing.assert_array_equal(getattr(by_row, name), getattr(whole, name))
+
+
+@method
+def test_the_result_does_not_depend_on_the_times_searched_together(make_patch, method, monkeypatch):
+    pair = make_patch(3, 50, coherence=0.7)
+    whole = method(FixedWindow(1, 9)).estimate(pair)
+    monkeypatch.setattr("estimators.search.CACHE_BYTES", 1)
+    for pixels in (1, 30):
+        monkeypatch.setattr("estimators.search.LEAST_PIXELS", pixels)
+        parts = method(FixedWindow(1, 9)).estimate(pair)
+        for name in ("delay", "coherence", "quality", "valid"):
+            np.testing.assert_array_equal(getattr(parts, name), getattr(whole, name))
 
 
 @method

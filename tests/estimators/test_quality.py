@@ -94,6 +94,11 @@ def test_what_they_say_of_echoes_without_noise():
     assert np.mean(brightness(pair, estimate, PIXEL)) < 0.5
 
 
+def test_the_coherence_of_a_single_look_is_one():
+    pair = patch()
+    np.testing.assert_array_equal(coherence(pair, FullBandPhaseSlope().estimate(pair), PIXEL), 1.0)
+
+
 def test_agreement_counts_the_others():
     pair = replace(patch(1), circular=False)
     estimate = CrossCorrelation(NINE).estimate(pair)

@@ -4,19 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from paper_b import FC, GEOMETRY, SONAR, B, C, D, H, pair_at, patch
 
 from estimators import FixedWindow, Interferogram, KnownCoherence, MeasuredCoherence, ModelledCoherence, bounds
-from sim import SONARS, EchoPair, Geometry, expected_coherence, speckle_pair
-
-SONAR = SONARS["hisas-1032"]
-FC, B, C, D, H = 122e3, 30e3, 1480.0, 0.3, 42.0
-
-
-def pair_at(ground_range, shape):
-    """Silence, heard from a ground range on."""
-    start = 2 * np.hypot(ground_range, H) / C
-    nothing = np.zeros(shape, dtype=complex)
-    return EchoPair(nothing, nothing, 40e3, FC, B, geometry=Geometry(SONAR, start))
+from sim import expected_coherence
 
 
 def test_what_debiasing_does_to_the_predicted_spread():
@@ -28,22 +19,6 @@ def test_what_debiasing_does_to_the_predicted_spread():
     assert promised / true == pytest.approx(0.802, abs=0.002)
     debiased = float(bounds.depth_crlb(32.4, bounds.debias_coherence(read, 32.4), FC, slant, D, C))
     assert debiased == pytest.approx(true, rel=1e-6)
-
-
-def patch(coherence, rows=81, samples=2048, seed=1):
-    """Speckle as the sonar of paper B hears it, without a geometry."""
-    return speckle_pair(
-        (rows, samples),
-        coherence=coherence,
-        delay=0.0,
-        centre_frequency=FC,
-        bandwidth=B,
-        sample_rate=4 / 3 * B,
-        rng=np.random.default_rng(seed),
-    )
-
-
-GEOMETRY = Geometry(SONAR, 2 * 300.0 / C)
 
 
 @pytest.mark.parametrize("coherence", [0.05, 0.187, 0.7, 0.999])

@@ -6,31 +6,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shipped import METHODS as SHIPPED
 
 from estimators import (
     CrossCorrelation,
     FixedWindow,
-    FullBandPhaseSlope,
     Interferogram,
-    MaximumLikelihood,
-    MultiChromatic,
-    SplitSpectrum,
     TwoWindow,
 )
 from estimators.windows import VaryingWindow
 from sim import EchoPair
 
-METHODS = {
-    "interferogram": Interferogram,
-    "cross-correlation": CrossCorrelation,
-    "cross-correlation-group": lambda window: CrossCorrelation(window, refine=False),
-    "split-spectrum": SplitSpectrum,
-    "multi-chromatic": lambda window: MultiChromatic(window, bands=3),
-    "maximum-likelihood": MaximumLikelihood,
-    "phase-slope": lambda window: FullBandPhaseSlope(window, lags_per_resolution=8),
-    "two-window": lambda window: TwoWindow(CrossCorrelation(window)),
-    "two-window-wide": lambda window: TwoWindow(CrossCorrelation(FixedWindow(3, 15)), window),
-}
+METHODS = {**SHIPPED, "two-window-wide": lambda window: TwoWindow(CrossCorrelation(FixedWindow(3, 15)), window)}
 TIMES = 40
 SIZE = st.tuples(st.integers(1, 4), st.integers(1, 12))
 FIELDS = ("delay", "phase", "coherence", "delay_std", "wrap_error_probability")

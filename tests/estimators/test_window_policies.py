@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from paper_b import FC, GEOMETRY, SONAR, B, C, D, H, pair_at, patch
 
 from estimators import (
     AdaptiveWindow,
@@ -27,10 +28,8 @@ from estimators.conformance import findings
 from estimators.pixels import PAPER_B, nearest_odd
 from estimators.ranges import Ranges
 from estimators.window_sizes import least_coherence, side_of_constant_ratio, side_of_constant_std
-from sim import SONARS, EchoPair, Geometry, speckle_pair
+from sim import SONARS, Geometry
 
-SONAR = SONARS["hisas-1032"]
-FC, B, C, D, H = 122e3, 30e3, 1480.0, 0.3, 42.0
 COHERENCE = st.one_of(st.floats(1e-3, 1 - 1e-9), st.sampled_from([1e-3, 1 - 1e-9]))
 SLANT = st.floats(42.5, 450.0)
 PIXELS = st.builds(Pixels, st.floats(0.005, 0.1), st.floats(0.005, 0.1), st.floats(0.05, 1.0))
@@ -44,13 +43,6 @@ def std_of(slant, coherence, looks):
     """Paper B, equation 3, as printed."""
     rho = coherence / (1 - coherence)
     return slant * C / D / (2 * np.pi * FC) / np.sqrt(looks) * np.sqrt(1 / rho + 1 / (2 * rho**2))
-
-
-def pair_at(ground_range, shape=(61, 64), sample_rate=40e3):
-    """Silence, heard from a ground range on: a policy that knows the coherence asks no more of it."""
-    start = 2 * np.hypot(ground_range, H) / C
-    nothing = np.zeros(shape, dtype=complex)
-    return EchoPair(nothing, nothing, sample_rate, FC, B, geometry=Geometry(SONAR, start))
 
 
 @given(SLANT, COHERENCE, st.floats(0.5, 4.0), PIXELS)
@@ -160,22 +152,6 @@ def test_paper_bs_fixed_window_crosses_50_cm_at_320_m():
     for ground, size in ((320.0, 9), (400.0, 31)):
         window = ConstantStdWindow(0.5, coherence=curve, **PAPER).on(pair_at(ground, (101, 101)))
         assert window.rows[0] == pytest.approx(size, abs=2)
-
-
-def patch(coherence, rows=81, samples=2048, seed=1):
-    """Speckle as the sonar of paper B hears it, without a geometry."""
-    return speckle_pair(
-        (rows, samples),
-        coherence=coherence,
-        delay=0.0,
-        centre_frequency=FC,
-        bandwidth=B,
-        sample_rate=4 / 3 * B,
-        rng=np.random.default_rng(seed),
-    )
-
-
-GEOMETRY = Geometry(SONAR, 2 * 300.0 / C)
 
 
 def test_sizes_grow_smoothly_along_the_swath():

@@ -47,6 +47,17 @@ def test_sonar(change, message):
         (lambda: HeightMap(np.full((2, 2), np.nan), (0, 0), (1, 1)), "nodes has 4 samples that are not finite, .*"),
         (lambda: HeightMap.read("missing.npz"), "missing.npz holds no height map .*"),
         (lambda: Scene((20.0, 50.0), speckle_shape=0.0), "speckle_shape is 0; it must be above 0"),
+        (lambda: Scene((20.0, 50.0), speckle_shape="x"), "speckle_shape is 'x'; it must be a number"),
+        (lambda: Scene((30.0,)), r"ground_range is \(30.0,\); it must be two numbers in m"),
+        (lambda: Scene(30.0), "ground_range is 30.0; it must be two numbers in m"),
+        (lambda: Box(30.0, 1.0, 1.0, (0, 1, 2)), r"along_track is \(0, 1, 2\); it must be two numbers in m"),
+        (lambda: Box(30.0, 1.0, 1.0, (0, "x")), r"along_track is \(0, 'x'\); it must be two numbers in m"),
+        (lambda: SedimentPatch((30.0,), "rock"), r"ground_range is \(30.0,\); it must be two numbers in m"),
+        (lambda: SedimentPatch((30.0, 40.0), "rock", 3), "along_track is 3; it must be two numbers in m"),
+        (
+            lambda: Scene((20.0, 50.0), sediment="sand", patches=(SedimentPatch((50.0, 60.0), "rock"),)),
+            "a patch from 50 to 60 m leaves the scene; it must lie between 20 and 50 m",
+        ),
         (
             lambda: Scene((20.0, 50.0), patches=(SedimentPatch((30.0, 40.0), "rock"),)),
             "a scene without sediment has patches; it must have a sediment around them",

@@ -44,7 +44,7 @@ def test_wraps_are_wrong_as_often_as_predicted(method, looks, coherence):
 
 @pytest.mark.long
 def test_split_spectrum_has_1_06_times_the_bound_of_the_group_delay():
-    # At zero delay; sub-bands lose coherence away from it, and have 3.2 % more than this for delays up to half a wrap.
+    # At zero delay; away from it sub-bands are off centre, and have 3.2 % more than this for delays up to half a wrap.
     found = errors(SplitSpectrum, 81, 0.9, most_delay=0.0, trials=60_000, refine=False)
     ratio = found.std() / bounds.group_delay_crlb(81, 0.9, B)
     assert ratio == pytest.approx(np.sqrt(9 / 8), rel=0.03)

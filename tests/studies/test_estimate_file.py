@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.image import imread
 from typer.testing import CliRunner
 
-from estimators import CrossCorrelation, FixedWindow
+from estimators import CrossCorrelation, FixedWindow, TwoWindow
 from sim import SONARS, Box, PairFile, Scene, open_pair, read_pair, simulate, speckle_pair, write_pair
 from studies.cli import app
 from studies.estimate_file import estimate_file
@@ -207,3 +207,24 @@ def test_the_file_that_is_read_is_not_written_over(folder):
     found = command(folder / "whole.nc", "--out", folder / "whole.nc")
     assert found.exit_code == 2
     assert "the file that is read; it must be another" in found.stderr
+
+
+def test_two_windows_give_the_same_bits_whatever_the_block(folder, tmp_path):
+    """A phase over more rows than the wrap, too: blocks and the rows around them hold whole windows of both."""
+    pair = read_pair(folder / "whole.nc")
+    direct = TwoWindow(CrossCorrelation(FixedWindow(3, 9), search=2e-5), FixedWindow(4, 1)).estimate(pair)
+    chosen = ("--estimator", "TwoWindow", "--window", "3x9", "--search", "2e-5", "--option", "phase=[4, 1]")
+    for block in (1, 13, 1000):
+        out = tmp_path / "out.nc"
+        done = command(folder / "whole.nc", *chosen, "--block", block, "--out", out)
+        assert done.exit_code == 0, done.output
+        found = loaded(out)
+        np.testing.assert_array_equal(found.delay, np.where(found.valid == 1, direct.delay, np.nan))
+    assert found.valid.to_numpy().mean() > 0.5
+
+
+def test_an_option_that_cannot_be_is_one_line(folder, tmp_path):
+    for option, said in (("phase", "it must be NAME=VALUE"), ("phse=[1, 1]", "did you mean phase?")):
+        done = command(folder / "whole.nc", "--estimator", "TwoWindow", "--option", option, "--out", tmp_path / "o.nc")
+        assert done.exit_code == 2
+        assert said in " ".join(done.output.split())

@@ -6,8 +6,9 @@ from dataclasses import replace
 import pytest
 
 from studies import engine, report
-from studies.blocks import Store, Stored
+from studies.blocks import Store
 from studies.design import methods, points, task
+from studies.stored import Stored
 
 
 @pytest.fixture

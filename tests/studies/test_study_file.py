@@ -1,10 +1,15 @@
 """Study files: what they hold, and what is said of one that is wrong."""
 
+import copy
 import re
 import tomllib
+from functools import reduce
+from operator import getitem
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from sim import SONARS, Box, Wedge
 from studies import catalogue, engine
@@ -47,7 +52,23 @@ def test_shipped_studies_are_files_that_can_be_copied(name, tmp_path):
     [
         ("looks = 9", "lokks = 9", "patch.lokks: there is no such key; .* did you mean looks?"),
         ("looks = 9", "looks = 2", "patch.looks = 2: it must be greater than or equal to 3"),
-        ("looks = 9", 'looks = "many"', "patch.looks = 'many': it must be a valid integer"),
+        ("looks = 9", 'looks = "many"', "patch.looks = 'many': it must be a whole number$"),
+        ("looks = 9", "looks = 9.5", "patch.looks = 9.5: it must be a whole number$"),
+        ('question = "Which?"', "question = 3", "question = 3: it must be text$"),
+        ("count = 100", "count = 1e30", r"trials.count = 1e\+30: it must be a whole number$"),
+        ('name = "cc"', 'name = "c/c"', r"estimators\[0\].name = 'c/c': it must be letters, digits, spaces and any"),
+        (
+            'name = "cc"',
+            'name = "cc"\nwindows = []',
+            r"estimators\[0\].windows = \[\]: it has 0 values; it must have at l",
+        ),
+        ('name = "cc"', 'name = "cc"\nwindows = "record"', r"estimators\[0\].windows = 'record': it must be a list$"),
+        ('name = "cc"', 'name = "cc"\noptions = 3', r"estimators\[0\].options = 3: it must be a table$"),
+        (
+            'name = "cc"',
+            'name = "cc"\noptions = { search = [1] }',
+            r"estimators\[0\].options.search = \[1\]: it must be true or false or a whole number or a number or text$",
+        ),
         ('snr = "10 dB"', 'snr = "10 Hz"', "patch.snr = '10 Hz': its unit is 'Hz'; it must be one of dB"),
         ('snr = "10 dB"', 'snr = "loud"', "patch.snr = 'loud': it must be a number in dB"),
         ('snr = "10 dB"', "", "patch: snr and coherence are both given or both missing; it must be one of them"),
@@ -55,7 +76,7 @@ def test_shipped_studies_are_files_that_can_be_copied(name, tmp_path):
         ("count = 100", "count = 0", "trials.count = 0: it must be greater than or equal to 1"),
         ("block = 50", "", "trials.block is missing; it must be given"),
         ('question = "Which?"', "", "question is missing; it must be given"),
-        ('name = "mine"', 'name = "My study"', "name = 'My study': String should match pattern"),
+        ('name = "mine"', 'name = "My study"', "name = 'My study': it must be lower-case letters, digits and hyphens"),
         ("[trials]", "[trail]", "trail: there is no such key; .* did you mean trials?"),
         (
             "block = 50",
@@ -208,3 +229,43 @@ def test_an_estimator_of_ones_own_has_a_stream_of_its_own(tmp_path, table_of):
     assert table.rmse["noisy"] != table.rmse["also"]
     assert methods(made(tree, "x"), next(points(made(tree, "x"))))[0].stream() > 0
     assert np.isfinite(table.rmse).all()
+
+
+VALUES = st.recursive(
+    st.one_of(st.booleans(), st.integers(), st.floats(), st.text(max_size=3)),
+    lambda inner: st.one_of(st.lists(inner, max_size=2), st.dictionaries(st.text(max_size=3), inner, max_size=2)),
+    max_leaves=3,
+)
+WHOLE = {
+    **tomllib.loads(GOOD),
+    "axes": [{"patch.looks": [9, 33]}],
+    "points": [{"patch.looks": 9}],
+    "figures": [{"name": "one", "x": "looks", "y": "rmse", "limits": [0, 1]}],
+    "summary": {"columns": ["looks"], "where": {"looks": 9}},
+    "quick": {"trials.count": 3},
+}
+
+
+def places(tree, *before):
+    """The keys and numbers that lead to every value of a tree."""
+    if before:
+        yield before
+    for step, inner in tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list) else ():
+        yield from places(inner, *before, step)
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.sampled_from(list(places(WHOLE))), VALUES)
+def test_no_value_is_refused_in_the_words_of_a_library(place, value):
+    tree = copy.deepcopy(WHOLE)
+    *path, last = place
+    reduce(getitem, path, tree)[last] = value
+    try:
+        made(tree, "mine")
+    except ValueError as error:
+        said = str(error)
+        assert said.startswith("mine: ")
+        assert "\n" not in said
+        assert not re.search(
+            r"Input|[Vv]alid|[Ss]tring|Tuple|Dictionary|Unable|validation|instance", said.split(": ", 2)[-1]
+        )
