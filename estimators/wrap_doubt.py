@@ -56,7 +56,7 @@ def wrap_doubt(
         Shape (rows, time).
     """
     shape = np.broadcast_shapes(stack.products.shape[1:], np.shape(delay))
-    guess = max(1 - 1 / (2 * search * centre_frequency), 0.0)
+    guess = doubt_of_a_guess(2 * search * centre_frequency)
     if np.max(looks) <= 1:
         return np.full(shape, guess)
     distinct, which = _looks_at(looks, shape[1])
@@ -69,6 +69,16 @@ def wrap_doubt(
         Model(centre_frequency * stack.step, search / stack.step, distinct, which, tables),
     )
     return np.where(distinct[which] <= 1, guess, found)
+
+
+def doubt_of_a_guess(wraps: float) -> float:
+    """Probability that two delays, both even over a range, are half a wrap or more apart: `1 - (R - 1/4) / R^2`.
+
+    `R` is the range in wraps, about `1 - 1 / R` where it is wide, and 3/4 at the least: the phase of an estimate may
+    carry it half a wrap beyond its range.
+    """
+    widest = max(wraps, 0.75)
+    return 1 - (widest - 0.25) / widest**2
 
 
 def _looks_at(looks: Looks, times: int) -> tuple[Real, Times]:

@@ -114,7 +114,8 @@ def of_looks(value: float, setting: Setting, rng: np.random.Generator) -> Echoes
 
 def of_bandwidth(value: float, setting: Setting, rng: np.random.Generator) -> Echoes:
     """Relative bandwidths, at 20 dB."""
-    delay = setting.delays(rng)
+    # Within what the split spectrum can tell, 0.75 / B.
+    delay = setting.delays(rng) * min(1.0, 1.5 / value)
     bandwidth = value * setting.sonar.centre_frequency
     return Echoes(setting.speckle(float(noise_coherence(20.0)), delay, rng, bandwidth=bandwidth), delay)
 

@@ -1,5 +1,6 @@
 """What the extremes show: a matrix of verdicts, and where wraps are right."""
 
+import numpy as np
 import pandas as pd
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
@@ -60,7 +61,9 @@ def right_wraps(table: pd.DataFrame, examples: Examples) -> Figure:
         rows = table[(table.case == case) & table.estimator.isin(list(METHODS))]
         share = ((rows.valid - rows.wrong) / rows.estimates).fillna(0.0)
         grid = rows.assign(share=share).pivot(index="estimator", columns="value", values="share").loc[names]
-        panel.imshow(grid.to_numpy(), cmap=colours, vmin=0, vmax=1.0999, aspect="auto")
+        # Ten greys for what is below, and green.
+        shown = np.where(grid >= 0.99, 1.05, np.minimum(grid, 0.98))
+        panel.imshow(shown, cmap=colours, vmin=0, vmax=1.0999, aspect="auto")
         panel.grid(visible=False)
         for y, line in enumerate(grid.to_numpy()):
             for x, value in enumerate(line):

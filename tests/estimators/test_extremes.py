@@ -119,7 +119,7 @@ def estimated(method, window, pair):
 
 
 @method
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(given_=pairs())
 def test_nothing_is_valid_of_a_form_that_cannot_be(method, given_):
     pair, window = given_
@@ -132,7 +132,7 @@ def test_nothing_is_valid_of_a_form_that_cannot_be(method, given_):
 
 
 @method
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(
     coherence=COHERENCE,
     relative_bandwidth=BANDWIDTH,
@@ -145,7 +145,8 @@ def test_nothing_is_valid_of_a_form_that_cannot_be(method, given_):
 def test_claims_hold(method, coherence, relative_bandwidth, samples, share, circular, exponent, seed):
     """Fails at a chance of one in a million of an example, and where claims do not hold."""
     rng, band = np.random.default_rng(seed), relative_bandwidth * FC
-    delay = rng.uniform(-0.5, 0.5, 100) * WRAP
+    # Within half a wrap, and within what the split spectrum can tell, 0.75 / B.
+    delay = rng.uniform(-0.5, 0.5, 100) * min(WRAP, 1.5 / band)
     pair = speckle_pair(
         (100, samples),
         coherence=coherence,
@@ -164,7 +165,7 @@ def test_claims_hold(method, coherence, relative_bandwidth, samples, share, circ
 
 
 @method
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(given_=pairs(), power=st.integers(-20, 20), other=st.integers(-20, 20))
 def test_powers_of_two_change_no_bit(method, given_, power, other):
     pair, window = given_

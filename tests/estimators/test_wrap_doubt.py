@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.special import hyp2f1
 
-from estimators import FixedWindow
+from estimators import FixedWindow, SplitSpectrum
 from estimators.lag_product import lag_series
 from estimators.peak_kernels import STENCIL
-from estimators.wrap_doubt import wrap_doubt
+from estimators.wrap_doubt import doubt_of_a_guess, wrap_doubt
 from estimators.wrap_doubt_kernels import CARE, _turns
 from sim import speckle_pair
 
@@ -76,3 +76,26 @@ def test_rivals_left_out_matter_little(samples, coherence, at_peak):
     assert np.all(found >= (1 - 1e-3 - CARE * (2 * LAGS / wrap - 2)) * plain)
     # The nearest ones alone are told better: most pixels need no others.
     assert np.median(np.abs(found / plain - 1)) < 3e-4
+
+
+@pytest.mark.parametrize("wraps", [0.75, 1.0, 1.05, 6.67])
+def test_a_guess_is_doubted_as_two_even_delays_are_apart(wraps):
+    first, second = np.random.default_rng(11).uniform(0, wraps, (2, 400_000))
+    rate = np.mean(np.abs(first - second) >= 0.5)
+    # Five standard errors.
+    assert doubt_of_a_guess(wraps) == pytest.approx(rate, abs=5 * np.sqrt(0.25 / 400_000))
+
+
+def test_a_single_look_of_the_widest_band_is_not_sure():
+    # 15 of 100 wraps were wrong and none claimed to be, as the range is narrower than a wrap.
+    pair = speckle_pair(
+        (200, 5),
+        coherence=0.5,
+        delay=0.0,
+        centre_frequency=100e3,
+        bandwidth=190e3,
+        sample_rate=190e3,
+        rng=np.random.default_rng(12),
+    )
+    estimate = SplitSpectrum(FixedWindow(1, 1)).estimate(pair)
+    assert np.all(estimate.wrap_error_probability > 0.1)
