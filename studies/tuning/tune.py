@@ -94,19 +94,27 @@ def tune(
 
     Parameters
     ----------
-    sonar, looks, coherence, delay
-        As of `Condition`.
+    sonar
+        Centre frequency and bandwidth.
+    looks
+        Independent looks in the window, 3 to 5,000.
+    coherence
+        Of the two series, .01 to .9999.
     rng
         The only source of chance. Times are measured, and so is what follows from their order.
-    over_bound, wrap_rate
-        As of `Tolerance`.
+    over_bound
+        The spread in the right wrap may be that share above the coherent Cramér-Rao bound; .001 to 100.
+    wrap_rate
+        Largest wrap-error rate; 1e-8 to 1.
+    delay
+        True delays are even within so many wraps of zero, a number from 0.
     effort
         How much is measured.
 
     Returns
     -------
     Tuned
-        The setting, what was judged beside it, and what was asked.
+        The setting, those beside it and all others.
 
     Raises
     ------
@@ -212,8 +220,11 @@ def _may_err_less(one: Judged, other: Judged) -> bool:
 
 
 def _errs_less(one: Judged, other: Judged) -> bool:
-    """Whether a setting has a smaller spread on the same echoes, or fewer wrong wraps beyond chance."""
-    return one.wrap_rate.high < other.wrap_rate.low or _tighter(one, other)
+    """Whether a setting has fewer wrong wraps beyond chance or a smaller spread, and not more of the other."""
+    fewer = one.wrap_rate.high < other.wrap_rate.low
+    more = one.wrap_rate.low > other.wrap_rate.high
+    wider = one.std_over_crlb.low > other.std_over_crlb.high
+    return (fewer and not wider) or (_tighter(one, other) and not more)
 
 
 def _tighter(one: Judged, other: Judged) -> bool:
