@@ -11,6 +11,7 @@ from statistics import median
 from typing import NamedTuple
 
 from studies import catalogue, engine, report
+from studies.allocation import keep_freed_memory
 from studies.design import blocks, methods, points, task
 from studies.measure import measure
 from studies.parallel import one_thread
@@ -52,6 +53,7 @@ def bare(numbers: list[int]) -> Times:
     work = study()
     point = next(points(work))
     chosen = methods(work, point)
+    keep_freed_memory()
     with one_thread():
         start = Times.now()
         for number in numbers:

@@ -6,6 +6,7 @@ import warnings
 
 import typer
 
+from studies.allocation import keep_freed_memory
 from studies.commands.check_estimator import check_estimator
 from studies.commands.estimate import estimate
 from studies.commands.look import check, list_studies
@@ -42,6 +43,7 @@ def main() -> None:
     warnings.showwarning = _one_line_warning
     # What a study file names may lie beside it.
     sys.path.insert(0, os.getcwd())
+    keep_freed_memory()
     app()
 
 

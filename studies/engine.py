@@ -10,6 +10,7 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from numpy.typing import NDArray
 
 from studies import manifest, seeds
+from studies.allocation import keep_freed_memory
 from studies.blocks import Store
 from studies.design import Point, Task, blocks, computed, methods, points, task
 from studies.experiment import Experiment
@@ -257,6 +258,7 @@ def _complete_block(
     store: Store, number: int, task: Task, lacking: Sequence[Method], block_trials: int, how: Run
 ) -> int:
     """Measure what a block lacks, and store it with what it has."""
+    keep_freed_memory()
     with one_thread():
         block = measure(task, lacking, block_trials, how.seed)
     failures = [measurement for measurement in block.measurements if measurement.failed]

@@ -248,5 +248,5 @@ def _engine() -> Iterator[Sweep]:
     yield Sweep("engine", "trials", [n * few for n in BLOCKS], [case(n, few, 1) for n in BLOCKS], 1, 0)
     jobs = list(takewhile(lambda n: n <= (os.cpu_count() or 1), (1, 2, 4, 8, 16, 32)))
     if len(jobs) > 1:
-        many = [case(6 * jobs[-1], 500, n) for n in jobs]
+        many = [case(24 * jobs[-1], 500, n) for n in jobs]
         yield Sweep("engine", "jobs", jobs, many, -1, None, clock=perf_counter)
