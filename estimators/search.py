@@ -24,7 +24,7 @@ BLOCK_BYTES = 2**27
 NEAR_BYTES = 2**24
 """Size of a block that stays in the cache, if eight windows' rows do: fewer would be small beside those around them."""
 
-CACHE_BYTES = 2**25
+CACHE_BYTES = 3 * 2**23
 """Size that the lag products at the times searched together may take: of less, few windows would stand beside the one
 more that is computed around them where lags are many, and time would grow faster than lags."""
 
