@@ -172,12 +172,16 @@ def _figure(table: pd.DataFrame, label: str, unit: float) -> Figure:
         panel.set_xlabel(name)
         panel.set_title("simulator" if of_simulator else "engine" if name in ("trials", "jobs") else "estimators")
         panel.xaxis.set_minor_formatter(NullFormatter())
+        low, high = panel.get_ylim()
+        # What is flat is to look flat.
+        room = max(1.0, np.sqrt(10 * low / high))
+        panel.set_ylim(low / room, high * room)
         if name == "jobs":
             panel.set_xticks(rows["size"].unique(), [f"{n:.0f}" for n in rows["size"].unique()])
         if name == "window":
             # Room for the legend.
             panel.set_ylim(top=100 * panel.get_ylim()[1])
-        panel.legend(fontsize=6, ncols=2 if name == "window" else 1)
+        panel.legend(fontsize=5 if name == "window" else 6, ncols=2 if name == "window" else 1)
     for panel in panels[len(chosen) :]:
         panel.set_axis_off()
     for line in axes:
