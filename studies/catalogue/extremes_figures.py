@@ -49,7 +49,7 @@ def verdicts(table: pd.DataFrame, examples: Examples) -> Figure:
 
 
 def _values(values: pd.Series) -> str:
-    return ", ".join(f"{value:.3g}" for value in values)
+    return ", ".join(f"1 - {1 - value:.0e}" if 0 < 1 - value < 1e-3 else f"{value:.3g}" for value in values)
 
 
 def right_wraps(table: pd.DataFrame, examples: Examples) -> Figure:
