@@ -5,14 +5,10 @@
 
 import argparse
 import resource
-import sys
 from collections.abc import Callable
-from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
-# The package, not this file's neighbours.
-sys.path.remove(str(Path(__file__).parent))
 from estimators import Interferogram
 from studies import catalogue
 from studies.design import methods, points, task

@@ -1,13 +1,11 @@
 """What the estimators' kernels cost, against what they replace: all ratios are of one run.
 
-Run it alone on a quiet machine: `.venv/bin/python benchmarks/estimators.py`. Everything runs on one thread, but where
+Run it alone on a quiet machine: `.venv/bin/python benchmarks/kernels.py`. Everything runs on one thread, but where
 two are named. Times are the least of several, taken in turns, so that a busy moment strikes all alike.
 """
 
-import sys
 import time
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,8 +14,6 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter
 from skimage.registration import phase_cross_correlation
 
-# The package, not this file of the same name.
-sys.path.remove(str(Path(__file__).parent))
 from estimators import CrossCorrelation, FixedWindow, FullBandPhaseSlope
 from estimators.interference import interferogram
 from estimators.lag_product import LagStack, lag_series, power
