@@ -1,7 +1,8 @@
 """What the estimators' kernels cost, against what they replace: all ratios are of one run.
 
 Run it alone on a quiet machine: `.venv/bin/python benchmarks/kernels.py`. Everything runs on one thread, but where
-two are named. Times are the least of several, taken in turns, so that a busy moment strikes all alike.
+two are named. Times are the least of several, taken in turns, so that a busy moment strikes all alike. Memory that is
+freed stays with the process, as in every run of a study (`studies.allocation`).
 """
 
 import time
@@ -22,6 +23,7 @@ from estimators.peak import Peak
 from estimators.peak_kernels import strongest
 from estimators.search import over_times
 from sim import EchoPair
+from studies.allocation import keep_freed_memory
 from studies.parallel import one_thread
 
 REPEATS = 15
@@ -178,6 +180,7 @@ def slopes(rng: np.random.Generator) -> None:
 
 def main() -> None:
     """Print the ratios."""
+    keep_freed_memory()
     with one_thread():
         for part in (interferograms, searches, slopes):
             part(np.random.default_rng(1))
