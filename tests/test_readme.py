@@ -22,7 +22,7 @@ def test_python_examples_run(code, capsys):
 
 def test_pictures_are_kept():
     pictures = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", README)
-    assert len(pictures) == 9
+    assert len(pictures) == 13
     assert all((ROOT / picture).is_file() for picture in pictures)
 
 
