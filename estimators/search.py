@@ -24,9 +24,12 @@ BLOCK_BYTES = 2**27
 NEAR_BYTES = 2**24
 """Size of a block that stays in the cache, if eight windows' rows do: fewer would be small beside those around them."""
 
-CACHE_BYTES = 3 * 2**23
-"""Size that the lag products at the times searched together may take: of less, few windows would stand beside the one
-more that is computed around them where lags are many, and time would grow faster than lags."""
+CACHE_BYTES = 3 * 2**22
+"""Size that the lag products at the times searched together may take."""
+
+FEW_WINDOWS, FEW_BYTES = 4, 3 * 2**23
+"""Windows that are searched together even so, and the size up to which: one more is computed around them, so that of
+fewer time would grow faster than lags."""
 
 LEAST_PIXELS = 1024
 """Pixels that are searched together even so, beside which the call of a compiled function counts little."""
@@ -141,7 +144,8 @@ def over_times(series: LagSeries, find: Callable[..., Peak], *beside: Real) -> P
     pixels = series.primary.values.shape[1] * samples
     size = 24 * (2 * series.reach + 1) * pixels
     # Whole windows, so that moving sums group the same samples in any stack.
-    windows = max(1, CACHE_BYTES // size, min(-(-LEAST_PIXELS // pixels), BLOCK_BYTES // 2 // size))
+    few = min(FEW_WINDOWS, FEW_BYTES // size)
+    windows = max(1, few, CACHE_BYTES // size, min(-(-LEAST_PIXELS // pixels), BLOCK_BYTES // 2 // size))
     times = windows * samples
     starts = range(0, series.times, times)
     found = [find(series.stack(at, at + times), *(array[:, at : at + times] for array in beside)) for at in starts]

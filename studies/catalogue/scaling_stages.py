@@ -64,8 +64,8 @@ PAGES = 0.1
 takes 62 ns a pixel up to 20,000 pixels, and 80 to 85 ns beyond, with a page fault for every 4 kB."""
 
 CACHES = 0.1
-"""Promised beside 1 over lags of what does little with each: the cross-correlation takes 83 us a lag while the products
-of all stay near, and 110 us of many lags, whose products come from the cache that processors share."""
+"""Promised beside 1 over lags: the products of few stay near the processor, those of many come from the cache that
+processors share, and around the few windows that are searched together then one more is computed."""
 
 SERIAL = 0.1
 """Promised beside -1 over jobs: for what one process does alone, and for the memory that all share."""
@@ -218,8 +218,7 @@ def _estimator(name: str, method: Method, sonar: Sonar, rows: int, rng: np.rando
     yield Sweep(name, "window in time", WINDOWS, in_time, flat, 0)
     if name in LAGS:
         lags = [2 * LAGS[name] * n + 1 for n in SEARCHES]
-        grows = 1.0 if name == "maximum-likelihood" else 1 + CACHES
-        yield Sweep(name, "lags", lags, [case(4 * rows, RECORD, usual, n) for n in SEARCHES], grows, None)
+        yield Sweep(name, "lags", lags, [case(4 * rows, RECORD, usual, n) for n in SEARCHES], 1 + CACHES, None)
 
 
 def _windows(sonar: Sonar, rows: int, rng: np.random.Generator) -> Iterator[Sweep]:

@@ -152,6 +152,7 @@ def test_the_result_does_not_depend_on_the_times_searched_together(make_patch, m
     pair = make_patch(3, 50, coherence=0.7)
     whole = method(FixedWindow(1, 9)).estimate(pair)
     monkeypatch.setattr("estimators.search.CACHE_BYTES", 1)
+    monkeypatch.setattr("estimators.search.FEW_BYTES", 1)
     for pixels in (1, 30):
         monkeypatch.setattr("estimators.search.LEAST_PIXELS", pixels)
         parts = method(FixedWindow(1, 9)).estimate(pair)
