@@ -64,8 +64,8 @@ PAGES = 0.1
 takes 62 ns a pixel up to 20,000 pixels, and 80 to 85 ns beyond, with a page fault for every 4 kB."""
 
 CACHES = 0.1
-"""Promised beside 1 over lags: the products of few stay near the processor, those of many come from the cache that
-processors share, and around the few windows that are searched together then one more is computed."""
+"""Promised beside 1 over the many lags of the phase slope, whose products come from the cache that processors share,
+while those of few stay near."""
 
 SERIAL = 0.1
 """Promised beside -1 over jobs: for what one process does alone, and for the memory that all share."""
@@ -218,7 +218,8 @@ def _estimator(name: str, method: Method, sonar: Sonar, rows: int, rng: np.rando
     yield Sweep(name, "window in time", WINDOWS, in_time, flat, 0)
     if name in LAGS:
         lags = [2 * LAGS[name] * n + 1 for n in SEARCHES]
-        yield Sweep(name, "lags", lags, [case(4 * rows, RECORD, usual, n) for n in SEARCHES], 1 + CACHES, None)
+        grows = 1 + CACHES if name == "phase-slope" else 1.0
+        yield Sweep(name, "lags", lags, [case(4 * rows, RECORD, usual, n) for n in SEARCHES], grows, None)
 
 
 def _windows(sonar: Sonar, rows: int, rng: np.random.Generator) -> Iterator[Sweep]:
