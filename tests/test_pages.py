@@ -38,6 +38,10 @@ SMALL = {
         "quality": "--set experiment.rows=2",
         "neighbours": "--set experiment.rows=10",
         "scene-plans": "--set plans.rows=2 --set plans.repeats=2",
+        "speed-accuracy": "--set experiment.rows=8",
+        "extremes": "--set experiment.rows=4",
+        "scaling": "--set experiment.rows=1",
+        "peers": "--set experiment.rows=8",
     }.items()
 }
 NUMBER = re.compile(r"[+-]?\d+(?:\.\d*)?(?:e[+-]?\d+)?")

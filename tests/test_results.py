@@ -13,10 +13,13 @@ import pytest
 from reproduced import Surprises, binomials, differences, matched, of_errors_given, of_trials
 
 from studies import catalogue, engine, manifest, predict, report
+from studies.catalogue.scaling_stages import sweeps
 from studies.design import columns_of, points
+from studies.parallel import one_thread
 from studies.plans import DECISIONS
 from studies.prediction import sonar_of
 from studies.section import resolved
+from studies.timing import peak_bytes
 
 RESULTS = Path(__file__).parents[1] / "results"
 FALSE_ALARM = 1e-7
@@ -27,8 +30,8 @@ TIMES = ("second", "ratio", "exponent", "copies", "bytes", "times")
 """What the names of measured costs, and of what follows from them, hold."""
 
 HERE = {
-    *("box-scene", "calibration", "long-range", "neighbours", "quality", "reliability", "scene-plans"),
-    *("snr-versus-range", "wrap-errors"),
+    *("box-scene", "calibration", "extremes", "long-range", "neighbours", "quality", "reliability", "scaling"),
+    *("scene-plans", "snr-versus-range", "wrap-errors"),
 }
 """Studies with a comparison of their own below."""
 
@@ -263,6 +266,54 @@ def test_what_estimates_say_of_themselves_is_reproduced():
     assert found.beyond(FALSE_ALARM) == []
     for column in ("claimed_in_bin", "claimed_in_bin_fresh"):
         assert (bins[column].isna() | bins[column].between(bins.low, bins.high)).all()
+
+
+@pytest.mark.long
+def test_what_holds_at_the_extremes_is_reproduced():
+    """How many of the estimates are valid, in a wrong wrap, and outside their interval; what is refused, in its words.
+
+    Too few valid ones, or rounding beside the limit, tell "invalid", "as claimed" and "exact" apart by chance.
+    """
+    study, on = as_run("extremes"), ["case", "value", "estimator"]
+    small = study.with_values({"experiment.rows": 45, "experiment.seed": SEED})
+    fresh, table = as_kept(small.experiment.table(small.sonar.sonar())), kept("extremes")
+    assert list(fresh.columns) == list(table.columns)
+    both = matched(table, fresh, on)
+    assert len(both) == len(table)
+    for verdict in ("fails", "refused"):
+        np.testing.assert_array_equal(both.verdict == verdict, both.verdict_fresh == verdict)
+    assert (both.said.fillna("") == both.said_fresh.fillna("")).all()
+
+    def compared(of):
+        found = Surprises()
+        for column, total in (("valid", "estimates"), ("wrong", "valid"), ("outside", "sure")):
+            rows = of.dropna(subset=[column])
+            rows = rows[(rows[total] > 0) & (rows[f"{total}_fresh"] > 0)]
+            counts = (rows[name].to_numpy() for name in (column, total, f"{column}_fresh", f"{total}_fresh"))
+            found.add(column, rows, on, binomials(*counts)[1])
+        return found.beyond(FALSE_ALARM)
+
+    assert compared(both) == []
+    for column in ("valid", "wrong", "outside"):
+        assert compared(both.assign(**{column: 0}))
+
+
+@pytest.mark.long
+def test_the_memory_of_every_stage_is_reproduced():
+    """Peaks of every size hardly depend on the echoes, by some 3 %; what Python's own objects take is below 16 kB."""
+    study = as_run("scaling")
+    kept_peaks = kept("scaling").query("of == 'memory'").groupby(["stage", "variable"], sort=False)
+    peaks = {}
+    with one_thread():
+        for sweep in sweeps(study.sonar.sonar(), study.experiment.rows, np.random.default_rng(SEED)):
+            if sweep.variable != "jobs":
+                for case in sweep.cases:
+                    case()
+                peaks[sweep.stage, sweep.variable] = [peak_bytes(case) for case in sweep.cases]
+    assert list(peaks) == [of for of, _ in kept_peaks]
+    for of, rows in kept_peaks:
+        np.testing.assert_allclose(peaks[of], rows.cost, rtol=0.05, atol=16e3, err_msg=str(of))
+    assert set(kept("scaling").within.dropna()) == {"yes"}
 
 
 @pytest.mark.long

@@ -51,6 +51,13 @@ METHODS: Mapping[str, tuple[Callable[[FixedWindow], Estimator], Callable[[Sonar]
 )
 """Each method with the largest delay that it looks for [s]."""
 
+COLUMNS = (
+    *("case", "value", "estimator", "estimates", *(f.name for f in fields(Tally))),
+    *("reference_error", "wraps_short", "spread_short", "single_other_wrap", "single_apart"),
+    *("statistic", "found", "theory", "standard_errors", "verdict", "said"),
+)
+"""Of the table, empty where a method or function has nothing of the kind."""
+
 Bound = Callable[[Any, float, float, float], float]
 
 
@@ -82,7 +89,7 @@ def measure(sonar: Sonar, rows: int, rng: np.random.Generator) -> pd.DataFrame:
             for name, (_, reach) in METHODS.items():
                 echoes = make(value, Setting(sonar, rows, reach), np.random.default_rng(seed))
                 found.append({"case": case, "value": float(value), "estimator": name, **_judged(name, echoes)})
-    return pd.DataFrame(found + functions(sonar, rng))
+    return pd.DataFrame(found + functions(sonar, rng), columns=COLUMNS)
 
 
 def _judged(name: str, echoes: Echoes) -> dict[str, Any]:

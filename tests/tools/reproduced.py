@@ -142,14 +142,18 @@ def _of_means(column: str, both: pd.DataFrame, numbers, errors, power: float = 1
     cluster = both.cluster.to_numpy()
     enough = np.minimum(of, of_2) >= ENOUGH * np.minimum(cluster, 1.5)
     value, value_2 = (both[f"{column}{end}"].to_numpy() for end in ("", "_fresh"))
-    # The error of a few trials goes with their mean; what many trials say of it does not.
-    error, error_2 = errors[0], np.fmax(errors[1], errors[0] * np.sqrt(of / np.maximum(of_2, 1)))
+    error, error_2 = errors[0], _of_few(*errors, of, of_2)
     if power != 1:
         with np.errstate(invalid="ignore", divide="ignore"):
             slope = power * ((value + value_2) / 2) ** (power - 1)
         error, error_2, value, value_2 = error * slope, error_2 * slope, value**power, value_2**power
     z, p = differences(value, error, value_2, error_2, np.maximum(of / cluster - 1, 1))
     return column, both[enough], z[enough], p[enough]
+
+
+def _of_few(error: np.ndarray, few_error: np.ndarray, of: np.ndarray, few: np.ndarray) -> np.ndarray:
+    """The error of few trials goes with their mean, and knows nothing of what is rare; what many say of it does."""
+    return np.fmax(few_error, error * np.sqrt(of / np.maximum(few, 1)))
 
 
 def _errors(both: pd.DataFrame, column: str) -> list[np.ndarray]:
@@ -202,6 +206,8 @@ def of_errors_given(kept: pd.DataFrame, fresh: pd.DataFrame, on: Sequence[str], 
             if column in kept and not any(word in column for word in leave_out):
                 error, fresh_error = (_error(both, column, of) for of in ("", "_fresh"))
                 known = np.isfinite(error) & np.isfinite(fresh_error)
+                if "trials" in kept:
+                    fresh_error = _of_few(error, fresh_error, both.trials, both.trials_fresh)
                 value, fresh_value = both[column].to_numpy(), both[f"{column}_fresh"].to_numpy()
                 p = differences(value, error, fresh_value, fresh_error, np.inf)[1]
                 surprises.add(column, both[known], on, p[known])
