@@ -1,5 +1,6 @@
 """What calls cost: processor time in turns, and the memory they take at once."""
 
+import math
 import time
 import tracemalloc
 from collections.abc import Callable, Mapping
@@ -26,24 +27,41 @@ class Quartiles(NamedTuple):
         return cls(float(median), float(low), float(high))
 
 
+SHORTEST = 0.004
+"""Seconds of a turn at least: what is shorter is called several times in it."""
+
+
 def in_turns(
     cases: Mapping[str, Case], repeats: int, clock: Callable[[], float] = time.process_time
 ) -> dict[str, Real]:
-    """Time of every repeat of each case [s], shape (repeat,); by default on this process's processor.
+    """Time of a call of each case in every turn [s], shape (repeat,); by default on this process's processor.
 
-    Each is called once before, so that code is compiled and memory at hand. Then all take turns, so that a busy moment
-    strikes all alike, and a ratio of two is that within a turn. On the processor's clock, time that the process waits
-    for others does not count; that of all its threads does.
+    Each is called before, so that code is compiled and memory at hand. Then all take turns, so that a busy moment
+    strikes all alike, and a ratio of two is that within a turn. What is short is called several times in its turn, and
+    their mean counts: the first finds the caches as another case left them. On the processor's clock, time that the
+    process waits for others does not count; that of all its threads does.
     """
-    for case in cases.values():
-        case()
+    often = {name: _often(case, clock) for name, case in cases.items()}
     spent: dict[str, list[float]] = {name: [] for name in cases}
     for _ in range(repeats):
         for name, case in cases.items():
-            start = clock()
-            case()
-            spent[name].append(clock() - start)
+            spent[name].append(_spent(case, clock, often[name]))
     return {name: np.array(values) for name, values in spent.items()}
+
+
+def _often(case: Case, clock: Callable[[], float]) -> int:
+    """How many calls take `SHORTEST`; a thousand at the most."""
+    took = _spent(case, clock)
+    # What is short is called once more, as the first call is slow.
+    took = _spent(case, clock) if took < SHORTEST else took
+    return max(1, math.ceil(SHORTEST / max(took, SHORTEST / 1000)))
+
+
+def _spent(case: Case, clock: Callable[[], float], times: int = 1) -> float:
+    start = clock()
+    for _ in range(times):
+        case()
+    return (clock() - start) / times
 
 
 def peak_bytes(case: Case) -> int:

@@ -1,7 +1,6 @@
 """How time and memory of every stage grow, with fitted exponents beside those that `docs/scaling.md` promises."""
 
-import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -17,13 +16,10 @@ from studies.catalogue.scaling_stages import Sweep, sweeps
 from studies.drawing import Examples
 from studies.parallel import one_thread
 from studies.power_law import power_law
-from studies.timing import Case, in_turns, peak_bytes
+from studies.timing import in_turns, peak_bytes
 
 TOLERANCE = 0.1
 """How far an exponent may be from what is promised."""
-
-SHORTEST = 0.004
-"""Seconds of a turn at least: what is shorter is done several times in it."""
 
 
 def measure(sonar: Sonar, rows: int, rng: np.random.Generator) -> pd.DataFrame:
@@ -47,38 +43,13 @@ def measure(sonar: Sonar, rows: int, rng: np.random.Generator) -> pd.DataFrame:
     found: list[dict[str, Any]] = []
     with one_thread():
         for sweep in sweeps(sonar, rows, rng):
-            found += _rows(sweep, "time", timed(sweep, rows + 1), sweep.time)
+            cases = dict(zip(map(str, sweep.sizes), sweep.cases, strict=True))
+            turns = np.array(list(in_turns(cases, rows + 1, sweep.clock).values()))
+            found += _rows(sweep, "time", turns, sweep.time)
             if sweep.variable != "jobs":
                 peaks = np.array([[peak_bytes(case)] for case in sweep.cases], dtype=float)
                 found += _rows(sweep, "memory", peaks, sweep.memory)
     return pd.DataFrame(found)
-
-
-def timed(sweep: Sweep, turns: int) -> Real:
-    """Time of each size in every turn [s], shape (size, turn)."""
-    often = []
-    for case in sweep.cases:
-        # What is short is called once more, as the first call is slow.
-        took = _once(case, sweep.clock)
-        took = _once(case, sweep.clock) if took < SHORTEST else took
-        often.append(max(1, math.ceil(SHORTEST / max(took, SHORTEST / 1000))))
-    cases = {str(n): _several(case, k) for n, case, k in zip(sweep.sizes, sweep.cases, often, strict=True)}
-    seconds: Real = np.array(list(in_turns(cases, turns, sweep.clock).values())) / np.array(often)[:, None]
-    return seconds
-
-
-def _once(case: Case, clock: Callable[[], float]) -> float:
-    start = clock()
-    case()
-    return clock() - start
-
-
-def _several(case: Case, times: int) -> Case:
-    def work() -> None:
-        for _ in range(times):
-            case()
-
-    return work
 
 
 def _rows(sweep: Sweep, of: str, turns: Real, promised: float | None) -> Iterator[dict[str, Any]]:

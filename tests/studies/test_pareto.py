@@ -43,21 +43,31 @@ def test_a_plain_comparison_of_all_pairs_agrees(choices):
     assert (beaten_by(cost, error) < 0).any()
 
 
+def busy(seconds):
+    end = time.process_time() + seconds
+    while time.process_time() < end:
+        pass
+
+
 def test_cases_take_turns_after_one_call_each():
     calls = []
-    spent = in_turns({"a": lambda: calls.append("a"), "b": lambda: calls.append("b")}, repeats=3)
+    cases = {name: lambda name=name: (calls.append(name), busy(0.005)) for name in "ab"}
+    spent = in_turns(cases, repeats=3)
     assert calls == ["a", "b"] * 4
     assert {name: times.shape for name, times in spent.items()} == {"a": (3,), "b": (3,)}
 
 
-def test_waiting_costs_nothing_and_work_does():
-    def work():
-        end = time.process_time() + 0.02
-        while time.process_time() < end:
-            pass
+def test_what_is_short_is_called_several_times_in_its_turn():
+    calls = []
+    spent = in_turns({"short": lambda: (calls.append("s"), busy(0.0005)), "long": lambda: busy(0.01)}, repeats=2)
+    # Twice beforehand; 4 ms hold eight at the most, and a call that was held up fewer.
+    assert 2 + 2 < len(calls) <= 2 + 2 * 8
+    assert 0.0005 <= spent["short"].min() < 0.01 <= spent["long"].min()
 
-    spent = in_turns({"wait": lambda: time.sleep(0.02), "work": work}, repeats=1)
-    assert spent["wait"][0] < 0.01 < 0.02 <= spent["work"][0]
+
+def test_waiting_costs_nothing_and_work_does():
+    spent = in_turns({"wait": lambda: time.sleep(0.002), "work": lambda: busy(0.02)}, repeats=1)
+    assert spent["wait"][0] < 0.001 < 0.02 <= spent["work"][0]
 
 
 def test_quartiles():
