@@ -7,12 +7,12 @@ from sim import Sonar
 from sim.band import Real
 from studies import statistics
 from studies.moments import of_errors
-from studies.timing import Quartiles
+from studies.timing import Price
 
 
-def costs(spent: Real, copying: Real, pixels: int) -> dict[str, float]:
-    """Seconds a pixel of repeats [s], and their ratios to the copy of the same turn, each with quartiles."""
-    seconds, copies = Quartiles.of(spent / pixels), Quartiles.of(spent / copying)
+def costs(price: Price) -> dict[str, float]:
+    """Seconds and copies a pixel, with quartiles."""
+    seconds, copies = price
     return {
         "seconds_per_pixel": seconds.median,
         "seconds_low": seconds.low,

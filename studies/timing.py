@@ -12,6 +12,9 @@ from sim.band import Real
 
 Case = Callable[[], object]
 
+COPIED = 2**21
+"""Complex pixels of either series that are copied to compare with: 67 MB together, which no cache holds."""
+
 
 class Quartiles(NamedTuple):
     """Median of repeats, and their first and third quartile."""
@@ -25,6 +28,25 @@ class Quartiles(NamedTuple):
         """Of measured values."""
         low, median, high = np.quantile(values, (0.25, 0.5, 0.75))
         return cls(float(median), float(low), float(high))
+
+
+class Price(NamedTuple):
+    """Processor time a pixel [s], and in copies of a pixel of both series."""
+
+    seconds: Quartiles
+    copies: Quartiles
+
+
+def prices(cases: Mapping[str, Case], pixels: int, repeats: int) -> dict[str, Price]:
+    """What each case costs a pixel, beside copying two series of complex128 in memory in the same turn (`in_turns`)."""
+    source = np.ones((2, COPIED), dtype=complex)
+    target = np.empty_like(source)
+    copying, *spent = in_turns({"": lambda: np.copyto(target, source), **cases}, repeats).values()
+    each = (times / pixels for times in spent)
+    return {
+        name: Price(Quartiles.of(times), Quartiles.of(times / (copying / COPIED)))
+        for name, times in zip(cases, each, strict=True)
+    }
 
 
 SHORTEST = 0.004

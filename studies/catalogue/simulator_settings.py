@@ -10,7 +10,7 @@ from estimators import CrossCorrelation, FixedWindow
 from sim import EchoPair, Scene, Sonar, plan, simulate
 from sim.band import Real
 from studies.speed_columns import costs, errors_of
-from studies.timing import in_turns, peak_bytes
+from studies.timing import peak_bytes, prices
 
 SNR, RANGES = 15.0, (60.0, 90.0)
 """Of the flat floor in either receiver [dB], and its ends [m]."""
@@ -47,7 +47,7 @@ def simulators(sonar: Sonar, rows: int, rng: np.random.Generator) -> Iterator[di
 
     finest = made({"accuracy": 1e-14})
     cases = {name: partial(made, chosen) for name, chosen in SETTINGS.items()}
-    spent = in_turns({**cases, "copy": lambda: (finest.primary.copy(), finest.secondary.copy())}, REPEATS)
+    spent = prices(cases, finest.primary.size, REPEATS)
     for name, case in cases.items():
         pair = case()
         looks = WINDOW.looks(pair)
@@ -60,7 +60,7 @@ def simulators(sonar: Sonar, rows: int, rng: np.random.Generator) -> Iterator[di
             "looks": looks,
             "coherence": coherence,
             "relative_bandwidth": sonar.relative_bandwidth,
-            **costs(spent[name], spent["copy"], pair.primary.size),
+            **costs(spent[name]),
             "peak_bytes_per_pixel": peak_bytes(case) / pair.primary.size,
             **errors_of(_errors(pair), sonar, looks, coherence),
             "series_error": _relative(pair.primary, finest.primary) if same else np.nan,

@@ -15,7 +15,7 @@ from studies.parallel import one_thread
 from studies.pareto import beaten_by
 from studies.settings import expected_wrap_rate, settings
 from studies.speed_columns import costs, errors_of
-from studies.timing import Case, in_turns, peak_bytes
+from studies.timing import Case, peak_bytes, prices
 
 COHERENCES = (0.9, 0.6)
 LOOKS = (9, 33)
@@ -30,8 +30,6 @@ TIMED = 4
 """Of so many rows one is timed."""
 
 REPEATS = 5
-
-COPY = "copy"
 
 
 def measure(sonar: Sonar, rows: int, rng: np.random.Generator) -> pd.DataFrame:
@@ -81,7 +79,7 @@ def _compared(sonar: Sonar, pair: EchoPair, coherence: float, looks: int) -> Ite
     few = pair.rows(slice(0, max(pair.shape[0] // TIMED, 1)))
     echoes = {one.name: _single(few) if one.single else few for one in chosen}
     cases: dict[str, Case] = {name: _case(built[name], echoes[name]) for name in built}
-    spent = in_turns({**cases, COPY: lambda: (few.primary.copy(), few.secondary.copy())}, REPEATS)
+    spent = prices(cases, few.primary.size, REPEATS)
     ziv_zakai = bounds.ziv_zakai_delay_std(
         looks, coherence, sonar.centre_frequency, sonar.bandwidth, 2 * DELAY * sonar.wrap
     )
@@ -95,7 +93,7 @@ def _compared(sonar: Sonar, pair: EchoPair, coherence: float, looks: int) -> Ite
             "looks": float(looks),
             "coherence": coherence,
             "relative_bandwidth": sonar.relative_bandwidth,
-            **costs(spent[name], spent[COPY], few.primary.size),
+            **costs(spent[name]),
             "peak_bytes_per_pixel": peak_bytes(cases[name]) / few.primary.size,
             **errors_of(errors, sonar, looks, coherence),
             "predicted_wrap_rate": expected_wrap_rate(estimator, one.wide * looks, coherence, sonar, DELAY),

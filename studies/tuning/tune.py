@@ -13,7 +13,7 @@ from studies.parallel import one_thread
 from studies.pareto import to_digits
 from studies.settings import WIDE, settings
 from studies.statistics import Interval
-from studies.timing import Case, Quartiles, in_turns
+from studies.timing import Case, prices
 from studies.tuning.condition import Condition, Tolerance
 from studies.tuning.judged import Judged, Records
 
@@ -150,16 +150,15 @@ def _priced(condition: Condition, effort: Effort, rng: np.random.Generator) -> l
         rng=rng,
     )
     chosen = [one for one in settings(sonar, looks, condition.delay) if not one.single]
-    cases: dict[str, Case] = {"copy": lambda: (pair.primary.copy(), pair.secondary.copy())}
+    cases: dict[str, Case] = {}
     for one in chosen:
         estimator = one.build(FixedWindow(1, looks), FixedWindow(1, one.wide * looks))
         cases[one.name] = partial(estimator.estimate, pair)
-    spent = in_turns(cases, effort.repeats)
+    spent = prices(cases, pair.primary.size, effort.repeats)
     priced = []
     for one in chosen:
-        seconds, copies = spent[one.name] / pair.primary.size, spent[one.name] / spent["copy"]
         std, rate = (Interval(value, value, value) for value in condition.predicted(one))
-        priced.append(Judged(one, Quartiles.of(seconds), Quartiles.of(copies), std, rate))
+        priced.append(Judged(one, *spent[one.name], std, rate))
     return sorted(priced, key=lambda one: one.seconds_per_pixel.median)
 
 
