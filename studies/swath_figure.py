@@ -39,11 +39,10 @@ def swath_figure(predicted: pd.DataFrame, window: str) -> Figure:
         panel.set_title(label, fontsize=10)
         if column == "wrap_error_rate":
             panel.set_ylim(1e-8, 1.5)
-    panels[-1].set_visible(False)
     for panel in panels:
         panel.xaxis.set_tick_params(labelbottom=True)
         panel.set_xlabel("ground range [m]")
     handles, labels = axes[0][0].get_legend_handles_labels()
-    title = f"solid: {window}; dashed: best window"
-    figure.legend(handles, labels, loc="outside lower center", ncols=4, title=title, fontsize=9)
+    panels[-1].set_axis_off()
+    panels[-1].legend(handles, labels, loc="center", title=f"solid: {window}\ndashed: best window", fontsize=9)
     return figure

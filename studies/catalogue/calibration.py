@@ -74,7 +74,7 @@ def reliability(table: pd.DataFrame, examples: Examples) -> Figure:
         axes[1][number].set_xlabel("predicted wrap-error rate")
     axes[0][0].set_ylabel("simulated wrap-error rate")
     axes[1][0].set_ylabel("simulated / predicted")
-    _legend(figure, axes[0][0], "bars: 95 % intervals; grey: within 5 %")
+    _legend(figure, axes[0][0], "bars: 95 % intervals; grey: within 5 %; below, bands stand beside each other")
     return figure
 
 

@@ -59,19 +59,23 @@ def right_wraps(table: pd.DataFrame, examples: Examples) -> Figure:
     names = list(pd.unique(table.estimator[table.estimator.isin(list(METHODS))]))
     for panel, case in zip(axes[0], SWEPT, strict=True):
         rows = table[(table.case == case) & table.estimator.isin(list(METHODS))]
-        share = ((rows.valid - rows.wrong) / rows.estimates).fillna(0.0)
+        share = (rows.valid - rows.wrong) / rows.estimates
         grid = rows.assign(share=share).pivot(index="estimator", columns="value", values="share").loc[names]
         # Ten greys for what is below, and green.
-        shown = np.where(grid >= 0.99, 1.05, np.minimum(grid, 0.98))
+        shown = np.where(grid >= 0.99, 1.05, np.minimum(grid.fillna(0.0), 0.98))
         panel.imshow(shown, cmap=colours, vmin=0, vmax=1.0999, aspect="auto")
         panel.grid(visible=False)
         for y, line in enumerate(grid.to_numpy()):
             for x, value in enumerate(line):
-                dark = value < 0.5
-                panel.text(x, y, f"{value:.0%}"[:-1], ha="center", va="center", fontsize=7, color="w" if dark else "k")
+                # Rounded down, so that 99 is green.
+                words = "-" if np.isnan(value) else f"{np.floor(100 * value + 1e-9):.0f}"
+                colour = "k" if value >= 0.5 else "w"
+                panel.text(x, y, words, ha="center", va="center", fontsize=7, color=colour)
         panel.set_xticks(range(grid.shape[1]), [f"{value:g}" for value in grid.columns], fontsize=8)
         first = panel is axes[0][0]
         panel.set_yticks(range(len(names)), names if first else [""] * len(names), fontsize=9)
         panel.set_xlabel(case)
-    figure.suptitle("Per cent of all estimates that are valid and in the right wrap; green: 99 and more", fontsize=10)
+    figure.suptitle(
+        "Per cent of all estimates that are valid and in the right wrap; green: 99 and more; -: refused", fontsize=10
+    )
     return figure

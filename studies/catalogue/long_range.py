@@ -119,7 +119,8 @@ def std_and_bound(table: pd.DataFrame, examples: Examples) -> Figure:
             label="CRLB, debiased coherence",
         )
         panel.set_ylim(0, 1.5)
-        panel.legend(fontsize=8, loc="upper left")
+        title = f"points: every metre, 95 % intervals\nsolid: median over {OVER} m"
+        panel.legend(fontsize=8, loc="upper left", title=title, title_fontsize=8)
     return figure
 
 
@@ -169,7 +170,8 @@ def std_fixed_and_adaptive(table: pd.DataFrame, examples: Examples) -> Figure:
             )
         panel.axhline(THRESHOLD, color="black", linewidth=0.8)
         panel.set_ylim(0, 1.5)
-        panel.legend(fontsize=8, loc="upper left", title="dashed: predicted", title_fontsize=8)
+        title = f"points: every metre, 95 % intervals\nsolid: median over {OVER} m; dashed: predicted"
+        panel.legend(fontsize=8, loc="upper left", title=title, title_fontsize=8)
     return figure
 
 
@@ -265,5 +267,7 @@ def _measured(panel: Axes, rows: pd.DataFrame, number: int, label: str) -> None:
     """The measured spread of every metre in faint points, and its median over some of them."""
     colour, spread = figures.COLOURS[number], error(rows)
     panel.plot(rows.ground_range, spread, ".", color=colour, markersize=1.5, alpha=0.35)
+    half = 1.96 * rows.depth_std_in_wrap_se
+    panel.vlines(rows.ground_range, spread - half, spread + half, color=colour, linewidth=0.6, alpha=0.15)
     over = spread.rolling(OVER, center=True, min_periods=1).median()
     panel.plot(rows.ground_range, over, color=colour, linewidth=1.2, label=label)

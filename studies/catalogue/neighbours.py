@@ -108,7 +108,8 @@ def figure(table: pd.DataFrame, examples: Examples) -> Figure:
         rows = table[(table.estimator == name) & (table.window == window)]
         style: dict[str, Any] = {
             "color": figures.COLOURS[number % len(figures.COLOURS)],
-            "linestyle": "-" if number < len(figures.COLOURS) else "--",
+            # Some lie upon each other.
+            "linestyle": ("-", "--", ":")[number % 3],
             "linewidth": 1.2,
             "label": f"{name} {window}",
         }

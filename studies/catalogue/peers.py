@@ -34,6 +34,9 @@ UNITS: Mapping[str, str] = {
 }
 """What `error` is in each task."""
 
+EXACT = 1e-17
+"""Where an error of 0 is drawn."""
+
 
 @dataclass(frozen=True)
 class Task:
@@ -227,7 +230,7 @@ def answer(table: pd.DataFrame) -> str:
 
 def figure(table: pd.DataFrame, examples: Examples) -> Figure:
     """Time against error in each task: ours full, peers hollow."""
-    drawn, axes = figures.grid(2, 2, width=5.4, height=4.2, share_x=False, share_y=False)
+    drawn, axes = figures.grid(2, 2, width=5.4, height=4.4, share_x=False, share_y=False)
     panels = [panel for line in axes for panel in line]
     for panel, (task, rows) in zip(panels, table[table.installed].groupby("task", sort=False), strict=True):
         for number, (_, row) in enumerate(rows.iterrows()):
@@ -235,17 +238,16 @@ def figure(table: pd.DataFrame, examples: Examples) -> Figure:
             marker = figures.MARKERS[(number + number // len(figures.COLOURS)) % len(figures.MARKERS)]
             face = colour if row.ours else "none"
             style: dict[str, Any] = {"color": colour, "markerfacecolor": face, "label": row.method}
-            panel.plot(row.microseconds, max(row.error, 1e-17), marker, **style)
+            if row.error == 0:
+                style["label"] += f", drawn at {EXACT:g}"
+            panel.plot(row.microseconds, max(row.error, EXACT), marker, **style)
         panel.set_xscale("log")
         panel.set_yscale("log")
-        # Room for the legend.
-        low, high = panel.get_ylim()
-        panel.set_ylim(low / 3, 10 * high * (high / low) ** 0.6)
-        panel.margins(x=0.1)
+        panel.margins(0.1)
         panel.set_title(str(task), fontsize=10)
         panel.set_ylabel(UNITS[str(task)], fontsize=8)
         unit = {"interferogram": "pixel", "delay of a record": "record", "phase slope": "pixel"}
         panel.set_xlabel(f"time a {unit.get(str(task), 'scatterer')} [us]")
-        panel.legend(fontsize=6.5, loc="upper right")
+        panel.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2)
     drawn.suptitle("full: ours; hollow: peers", fontsize=10)
     return drawn

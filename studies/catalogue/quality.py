@@ -114,5 +114,7 @@ def figure(table: pd.DataFrame, examples: Examples) -> Figure:
             panel.set_ylim(0.4, 1.02)
         line[0].set_ylabel("area under the ROC")
     handles, labels = axes[0][0].get_legend_handles_labels()
-    drawn.legend(handles, labels, loc="outside lower center", ncols=5, title="bars: 95 % intervals", fontsize=9)
+    drawn.legend(
+        handles, labels, loc="outside lower center", ncols=5, title="black lines on bars: 95 % intervals", fontsize=9
+    )
     return drawn

@@ -151,13 +151,16 @@ def _figure(table: pd.DataFrame, label: str, unit: float) -> Figure:
             panel.set_xticks(rows["size"].unique(), [f"{n:.0f}" for n in rows["size"].unique()])
         if name == "window":
             # Room for the legend.
-            panel.set_ylim(top=100 * panel.get_ylim()[1])
-        panel.legend(fontsize=5 if name == "window" else 6, ncols=2 if name == "window" else 1)
+            panel.set_ylim(top=1e4 * panel.get_ylim()[1])
+        panel.legend(fontsize=6, ncols=2 if name == "window" else 1)
     for panel in panels[len(chosen) :]:
         panel.set_axis_off()
     for line in axes:
         line[0].set_ylabel(label)
-    figure.suptitle("points: measured; lines: fitted, with its exponent; grey: slope promised", fontsize=10)
+    figure.suptitle(
+        "points: measured, with the fitted exponent; lines: fit, where something is promised; grey: slope promised",
+        fontsize=10,
+    )
     return figure
 
 
@@ -169,6 +172,6 @@ def _curve(panel: Axes, curve: pd.DataFrame, number: int, name: str, unit: float
         slope = last.fitted * (size / size[-1]) ** last.promised
         seen = slope > curve.cost.min() / 3
         panel.plot(size[seen], slope[seen] * unit, color="0.6", linewidth=1, linestyle="--", zorder=1)
-    panel.plot(size, curve.fitted * unit, color=colour, linewidth=1)
+        panel.plot(size, curve.fitted * unit, color=colour, linewidth=1)
     label = f"{name} {last.exponent:.2f}"
     panel.plot(size, curve.cost * unit, marker, color=colour, markersize=4, label=label)

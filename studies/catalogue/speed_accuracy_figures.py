@@ -32,13 +32,13 @@ def pareto(table: pd.DataFrame, examples: Examples) -> Figure:
         _points(panel, rows, rows.rmse_over_crlb, low, rows.rmse_over_crlb + half)
         panel.axhline(1.0, color="black", linewidth=0.9)
         panel.axhline(rows.ziv_zakai.iloc[0] / rows.crlb.iloc[0], color="black", linewidth=0.9, linestyle="--")
-        panel.set_ylim(0.6, 2000)
+        panel.set_ylim(0.3, 1000)
 
     solid = Line2D([], [], color="black", linewidth=0.9, label="Cramér-Rao bound")
     dashed = Line2D(
         [], [], color="black", linewidth=0.9, linestyle="--", label="Ziv-Zakai bound of the window, with wraps"
     )
-    return _drawn(table, draw, "RMSE / CRLB", [solid, dashed])
+    return _drawn(table, draw, "RMSE / CRLB", [solid, dashed], "")
 
 
 def pareto_wraps(table: pd.DataFrame, examples: Examples) -> Figure:
@@ -49,17 +49,17 @@ def pareto_wraps(table: pd.DataFrame, examples: Examples) -> Figure:
         _points(panel, rows, rate, low, rows.wrap_rate_high)
         likelihood = rows[(rows.estimator == "maximum-likelihood") & (rows.setting == "default")]
         panel.axhline(likelihood.predicted_wrap_rate.iloc[0], color="black", linewidth=0.9, linestyle="--")
-        panel.set_ylim(0.4 * LEAST_RATE, 1e3)
+        panel.set_ylim(0.1 * LEAST_RATE, 1e3)
         panel.yaxis.set_major_locator(FixedLocator([1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0]))
         panel.yaxis.set_minor_locator(NullLocator())
 
     words = "predicted for maximum likelihood, of a periodic window"
     dashed = Line2D([], [], color="black", linewidth=0.9, linestyle="--", label=words)
-    return _drawn(table, draw, f"wrap-error rate (none seen: {LEAST_RATE:g})", [dashed])
+    return _drawn(table, draw, f"wrap-error rate (none seen: {LEAST_RATE:g})", [dashed], ", as in the figure of RMSE")
 
 
 def _drawn(
-    table: pd.DataFrame, draw: Callable[[Axes, pd.DataFrame], None], y_label: str, lines: list[Line2D]
+    table: pd.DataFrame, draw: Callable[[Axes, pd.DataFrame], None], y_label: str, lines: list[Line2D], where: str
 ) -> Figure:
     """A panel for each window and coherence, with a legend of the methods and lines."""
     found = table[table.of == "estimator"]
@@ -78,7 +78,9 @@ def _drawn(
         Line2D([], [], marker=MARKERS[number], color=COLOURS[number], linestyle="", label=str(name))
         for number, name in enumerate(pd.unique(found.estimator))
     ]
-    title = "filled and numbered: beaten by no other in time and RMSE; bars: 95 % intervals, and quartiles of time"
+    title = (
+        f"filled and numbered: beaten by no other in time and RMSE{where}; bars: 95 % intervals, and quartiles of time"
+    )
     figure.legend(handles=[*methods, *lines], loc="outside lower center", ncols=5, title=title, fontsize=9)
     return figure
 
