@@ -87,7 +87,7 @@ def _limits(estimate: DelayEstimate) -> Iterator[str]:
     for name in SHARES:
         value = getattr(estimate, name)
         yield from _some(valid & ((value < 0) | (value > 1)), f"{name} is not between 0 and 1")
-    yield from _some(valid & (estimate.delay_std < 0), "delay_std is below 0")
+    yield from _some(valid & ~(estimate.delay_std > 0), "delay_std is not above 0")
     yield from _some(valid & (np.abs(estimate.phase) > np.pi * (1 + 1e-12)), "phase is not within -pi and pi")
 
 
@@ -126,6 +126,9 @@ def _silence(trial: Trial) -> Iterator[str]:
     }
     for said, silent in cases.items():
         yield from _some(trial.estimate(silent).valid, f"it is valid where {said}")
+    later = np.arange(pair.shape[1]) >= pair.shape[1] // 2
+    padded = replace(pair, primary=np.where(later, 0, pair.primary), secondary=np.where(later, 0, pair.secondary))
+    yield from _some(trial.estimate(padded).valid & later, "it is valid where both receivers are silent from a time on")
 
 
 def _missing_samples(trial: Trial) -> Iterator[str]:

@@ -161,7 +161,9 @@ def _give(
 ) -> None:
     """Write a row; `left` is what rounding may have left of the brightest energies, in parts of them."""
     w, x, y, z = sums[0], sums[1], sums[2], sums[3]
-    floor, floor_other = left * brightest[0], left * brightest[1]
+    # Of windows so dark beside others that no energy squared holds them, nothing is known.
+    faint = brightest[0] * brightest[1] < 1e-300
+    floor, floor_other = (np.inf, np.inf) if faint else (left * brightest[0], left * brightest[1])
     out = product[r, 2 * begin : 2 * (begin + count)]
     if energy is not None:
         root = energy[r, begin : begin + count]

@@ -22,12 +22,16 @@ class CombinedNeighbours:
 
     Delays are weighted by the probability `1 - p` that their wrap is right, so that outliers, which know of themselves,
     hardly count. Of `n` pixels and `L` looks in the window, and `l` looks in the estimator's own, `L / l` are taken to
-    be independent, at least one: the mean has the mean variance that they claim, times `l / L`. What single pixels
+    be independent, at least one, and of pixels of which some are not valid as many less: the mean has the mean variance
+    that they claim, times `l / L`. What single pixels
     claim tells the dark from the bright, where of windows it is mostly chance: they are weighted by `(1 - p) / sigma^2`
     instead, for the variance `n l / (L sum w)`.
 
     The delay is the circular mean of the carrier's phases, in the wrap of the mean delay: of a neighbour in a wrong
     wrap, which the weights leave a little of, the phase is right all the same.
+
+    Its wrap-error probability is the mean of the neighbours'. That of their mean is less where they err apart: of
+    windows of 9 samples at a coherence of .95, combined over 65, .028 is claimed and none of 1,500 was wrong.
 
     A pixel that no window makes accurate enough keeps the mean over the largest, with the spread that it has, and is
     not valid. That errors within the wrap are independent but for what windows share is taken on trust. Those of single
@@ -96,7 +100,9 @@ def _combined(pair: EchoPair, single: DelayEstimate, window: FixedWindow, looks:
         summed = window.sum(weight * np.where(known, of, 0.0))
         return np.broadcast_to(np.divide(summed, total, out=np.zeros_like(total), where=total > 0), pair.shape)
 
-    independent = np.maximum(window.looks(pair) / looks, 1.0)
+    # Of neighbours that are not valid none counts.
+    there = window.sum(known.astype(float)) / (window.rows * window.samples)
+    independent = np.maximum(window.looks(pair) / looks * there, 1.0)
     if single_pixels:
         pixels = window.rows * window.samples
         claimed = np.divide(pixels, total, out=np.full_like(total, 1 / 12), where=total > 0)

@@ -164,6 +164,7 @@ def beyond_edge(coherence: Real, phase: Real, looks: Looks) -> Real:
 def _log_beyond(looks: float) -> tuple[Real, Real]:
     """Root of `u`, and the log of Student's tail at `t = sqrt(f (e^u - 1))`, down to 1e-30."""
     freedom = 2 * (looks - 1)
-    place = np.linspace(0.0, np.sqrt(2 * 69.0 / freedom), 1025)
+    # No further than `e^u` is a number.
+    place = np.linspace(0.0, np.sqrt(min(2 * 69.0 / freedom, 700.0)), 1025)
     tail = stdtr(freedom, -np.sqrt(freedom * np.expm1(place**2)))
     return place, np.log(np.maximum(tail, 1e-300))

@@ -36,7 +36,7 @@ def brightness(pair: EchoPair, estimate: DelayEstimate, window: FixedWindow) -> 
 
 def coherence(pair: EchoPair, estimate: DelayEstimate, window: FixedWindow) -> Real:
     """Sample coherence of the window at the estimate's delay; of a single look always 1, where there is an echo."""
-    height = _height(_read(pair, estimate, window))
+    height = _read(pair, estimate, window).height
     # What is left of 1 is rounding, which must not rank pixels.
     return np.where(height > 0, 1.0, 0.0) if window.pixels == 1 else height
 
@@ -156,13 +156,6 @@ def _readable(pair: EchoPair, estimate: DelayEstimate) -> Real:
 
 def _read(pair: EchoPair, estimate: DelayEstimate, window: FixedWindow) -> Peak:
     return read_at(pair, window, _readable(pair, estimate), LAGS_PER_RESOLUTION)
-
-
-def _height(peak: Peak) -> Real:
-    magnitude = np.abs(peak.product)
-    share = np.divide(magnitude, peak.energy, out=np.zeros_like(magnitude), where=peak.energy > 0)
-    height: Real = np.minimum(share, 1.0)
-    return height
 
 
 def _only(value: Real, stack: LagStack) -> Peak:

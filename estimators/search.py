@@ -18,6 +18,9 @@ from estimators.wrap_doubt import wrap_doubt
 from sim import EchoPair, checks
 from sim.band import Complex, Real
 
+FAINTEST = 1e-150
+"""Energy beside that of the brightest, near 1, of which estimates still make squares; of less they know nothing."""
+
 BLOCK_BYTES = 2**27
 """Size that one block of rows may take, with its lag products."""
 
@@ -245,7 +248,7 @@ def describe(
     pair, window
         The echoes, and what was averaged over.
     peak
-        The peaks found, on any scale.
+        The peaks found, on the scale of `scale_of` of both series.
     refine
         Whether the residual phase refines the delay.
     search
@@ -269,7 +272,7 @@ def describe(
                 predicted_std(within_wrap, search),
                 peak.doubt,
                 1 - peak.doubt,
-                window.inside(pair) & peak.inside & (peak.energy > 0) & heard,
+                window.inside(pair) & peak.inside & (peak.energy > FAINTEST) & heard,
             )
         )
     )

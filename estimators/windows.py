@@ -64,17 +64,22 @@ class FixedWindow:
         return window_sum(array, self.rows, self.samples, circular=True)
 
     def inside(self, pair: EchoPair) -> NDArray[np.bool_]:
-        """Where the window lies within the pair and a resolution cell or more from missing samples; shape (rows, time).
+        """Where the window lies within the pair and a resolution cell or more from what no receiver heard.
 
-        As echoes half a delay to either side are read, that leaves room for delays of up to `2 / B`.
+        That is what is missing, and silence: zeros of either receiver for more than two resolution cells, of a record
+        that was padded, or a receiver that was off. As echoes half a delay to either side are read, a cell leaves room
+        for delays of up to `2 / B`. Shape (rows, time).
         """
+        return self._inside(pair, _unheard(pair))
+
+    def _inside(self, pair: EchoPair, unheard: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
         rows, samples = (_fits(available, size) for available, size in zip(pair.shape, self.extent, strict=True))
         inside: NDArray[np.bool_] = rows[:, None] & (samples | pair.circular)[None, :]
-        if pair.missing is None:
+        if unheard is None:
             return inside
-        cell = int(np.ceil(pair.sample_rate / pair.bandwidth))
-        reach = min(self.samples + 2 * cell, pair.shape[1]) if pair.circular else self.samples + 2 * cell
-        near = window_sum(pair.missing.astype(float), self.rows, reach, circular=pair.circular) > 0
+        reach = self.samples + 2 * _cell(pair)
+        reach = min(reach, pair.shape[1]) if pair.circular else reach
+        near = window_sum(unheard.astype(float), self.rows, reach, circular=pair.circular) > 0
         return np.logical_and(inside, ~near)
 
     def looks(self, pair: EchoPair) -> float:
@@ -90,6 +95,29 @@ class FixedWindow:
         else:
             in_time = _independent(self.samples, pair.bandwidth / pair.sample_rate)
         return _independent(self.rows, pair.row_looks) * in_time
+
+
+def _cell(pair: EchoPair) -> int:
+    """Samples in a resolution cell, rounded up."""
+    return int(np.ceil(pair.sample_rate / pair.bandwidth))
+
+
+def _sum(where: NDArray[np.bool_], samples: int, pair: EchoPair) -> Real:
+    """How many there are in a window in time, of the shape of the pair."""
+    return np.broadcast_to(window_sum(where.astype(float), 1, samples, circular=pair.circular), pair.shape)
+
+
+def _unheard(pair: EchoPair) -> NDArray[np.bool_] | None:
+    """Missing and silent samples of either receiver, shape (rows, time); None where there are none."""
+    length = min(2 * _cell(pair) + 1, (pair.shape[1] - 1) // 2 * 2 + 1)
+    found = pair.missing
+    for series in (pair.primary, pair.secondary):
+        if np.count_nonzero(series) < series.size:
+            # All of a run as long as that, which a sum over it tells; odd, so that the way back is the same.
+            whole = _sum(series == 0, length, pair) == length
+            silent = _sum(whole, length, pair) > 0
+            found = silent if found is None else found | silent
+    return found
 
 
 def _independent(count: int, share: float) -> float:
@@ -169,10 +197,10 @@ class VaryingWindow:
         return window_sum(array, rows, samples, circular=True)
 
     def inside(self, pair: EchoPair) -> NDArray[np.bool_]:
-        """Where the window lies within the pair and away from missing samples; shape (rows, time)."""
-        inside = np.empty(pair.shape, dtype=np.bool_)
+        """Where the window lies within the pair and away from what no receiver heard; shape (rows, time)."""
+        inside, unheard = np.empty(pair.shape, dtype=np.bool_), _unheard(pair)
         for window, at in self._by_size():
-            inside[:, at] = window.inside(pair)[:, at]
+            inside[:, at] = window._inside(pair, unheard)[:, at]
         return inside
 
     def looks(self, pair: EchoPair) -> Real:

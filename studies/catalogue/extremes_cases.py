@@ -245,6 +245,24 @@ def with_gaps(value: float, setting: Setting, rng: np.random.Generator) -> Echoe
     return Echoes(gaps, delay, FixedWindow(1, 9), SAMPLES // 2)
 
 
+def beside_silence(value: float, setting: Setting, rng: np.random.Generator) -> Echoes:
+    """Zeros in both receivers from so many samples after the pixel on, at 20 dB: a record that was padded."""
+    delay = setting.delays(rng)
+    pair = setting.longer(float(noise_coherence(20.0)), delay, rng)
+    heard = np.arange(SAMPLES) < SAMPLES // 2 + value
+    padded = replace(pair, primary=pair.primary * heard, secondary=pair.secondary * heard, circular=False)
+    return Echoes(padded, delay, FixedWindow(1, 9), SAMPLES // 2)
+
+
+def beside_bright_rows(value: float, setting: Setting, rng: np.random.Generator) -> Echoes:
+    """All rows but the first so many times as strong as that, at 20 dB."""
+    delay = setting.delays(rng)
+    pair = setting.longer(float(noise_coherence(20.0)), delay, rng)
+    strength = np.where(np.arange(setting.rows) > 0, value, 1.0)[:, None]
+    dark = replace(pair, primary=pair.primary * strength, secondary=pair.secondary * strength)
+    return Echoes(dark, delay, FixedWindow(1, 9), SAMPLES // 2)
+
+
 def _of_kind(pair: EchoPair, kind: type) -> EchoPair:
     return replace(pair, primary=pair.primary.astype(kind), secondary=pair.secondary.astype(kind))
 
@@ -285,6 +303,8 @@ CASES: Mapping[str, tuple[Make, tuple[float, ...]]] = MappingProxyType(
         "spike beside": (beside_a_spike, (1e2, 1e6, 1e12, _LOUD)),
         "spike within": (within_a_spike, (1e2, 1e6, 1e12, _LOUD)),
         "share not finite": (with_gaps, (0.01, 0.1, 1.0)),
+        "silence after [samples]": (beside_silence, (-20, -8, -3, 0, 3, 6, 8, 12)),
+        "rows dark beside one": (beside_bright_rows, (1e-12, 1e-70, 1e-80, 1e-90, _FAINT)),
     }
 )
 """How each case is made, and its values."""

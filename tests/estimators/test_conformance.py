@@ -124,7 +124,7 @@ def writes(pair):
         (changed(coherence=lambda e, p: 1.5 * e.coherence), "coherence is not between 0 and 1"),
         (changed(wrap_error_probability=lambda e, p: -e.quality), "wrap_error_probability is not between"),
         (changed(quality=lambda e, p: 2 * e.quality + 1), "quality is not between 0 and 1"),
-        (changed(delay_std=lambda e, p: -e.delay_std), "delay_std is below 0"),
+        (changed(delay_std=lambda e, p: -e.delay_std), "delay_std is not above 0"),
         (changed(phase=lambda e, p: e.phase + 7), "phase is not within -pi and pi"),
         (
             changed(wrap_error_probability=nan_of_equals),
@@ -144,7 +144,11 @@ def writes(pair):
         (changed(valid=lambda e, p: np.ones(p.shape, dtype=bool)), "valid where the secondary is silent"),
         (changed(valid=lambda e, p: np.ones(p.shape, dtype=bool)), "valid where both receivers are silent"),
         (
-            Broken(before=lambda p: replace(p, missing=None)),
+            changed(valid=lambda e, p: e.valid | (p.primary == 0) & p.primary.any()),
+            "both receivers are silent from a time on at 1152 of 2304 samples",
+        ),
+        (
+            changed(valid=lambda e, p: e.valid if p.missing is None else e.valid | p.missing),
             r"valid where samples are missing \(pair.missing\) at 43 of 2304 samples, the first at \(3, 85\)",
         ),
         (

@@ -92,6 +92,19 @@ def test_windows_of_silence_are_zero():
         np.testing.assert_array_equal(values, 0)
 
 
+@pytest.mark.parametrize("darker", [1e-70, 1e-76, 1e-80, 1e-81, 1e-90, 1e-200])
+def test_blocks_too_dark_for_squares_beside_others_count_as_empty(darker):
+    rng = np.random.default_rng(8)
+    primary, secondary = rng.normal(size=(2, 1100, 64)) + 1j * rng.normal(size=(2, 1100, 64))
+    _, plain = interferogram(primary, secondary, 3, 3, circular=False)
+    strength = np.where(np.arange(1100) < 600, 1.0, darker)[:, None]
+    _, coherence = interferogram(strength * primary, strength * secondary, 3, 3, circular=False)
+    dark = coherence[602:]
+    assert np.all((dark == 0) | np.isclose(dark, plain[602:], rtol=1e-9))
+    assert darker > 1e-76 or not dark.any()
+    np.testing.assert_allclose(coherence[:598], plain[:598], rtol=1e-12)
+
+
 @pytest.mark.parametrize("exponent", [-150, 150])
 def test_numbers_of_any_size_are_taken(exponent):
     rng = np.random.default_rng(2)
