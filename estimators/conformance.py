@@ -19,8 +19,8 @@ def findings(
 
     - it gives a `DelayEstimate` of arrays in the shape of the pair, real, `valid` of bool; so it does at a coherence of
       0 and of 1, of another shape, and of a record that is not periodic;
-    - what is valid is finite, shares and probabilities lie in 0 to 1, the phase in -pi to pi, the spread is not
-      negative;
+    - what is valid is finite, shares and probabilities lie in 0 to 1, the phase in -pi to pi, the spread is
+      above 0;
     - at a coherence of .95 some is valid; silence is not, nor are missing samples;
     - receivers swapped negate the delay; a common gain or phase changes nothing, nor does the layout in memory; 0.2
       wraps of delay more or less move the estimate by it (in the median, within 0.02 wraps);
@@ -44,10 +44,19 @@ def findings(
         One sentence a finding. Whatever it raises is a finding too; where it raises, or has not the form, on the first
         pair, nothing else is tried.
     """
+    tried = examined(estimator, shape=shape, window=window)
+    return list(dict.fromkeys(said for found in tried.values() for said in found))
+
+
+def examined(
+    estimator: Estimator, *, shape: tuple[int, int] = (9, 256), window: FixedWindow | None = None
+) -> dict[str, list[str]]:
+    """What each check that was tried found, by its name; parameters as of `findings`."""
     if not isinstance(estimator, Estimator):
-        return [f"{type(estimator).__name__} has no method estimate(pair)"]
-    trial, found = Trial(estimator, shape, window), list[str]()
+        return {"a method": [f"{type(estimator).__name__} has no method estimate(pair)"]}
+    trial, tried = Trial(estimator, shape, window), dict[str, list[str]]()
     for name, check in CHECKS.items():
+        found = tried[name] = list[str]()
         try:
             with warnings.catch_warnings(), np.errstate(all="ignore"):
                 warnings.simplefilter("ignore")
@@ -61,4 +70,4 @@ def findings(
             continue
         if check is an_ordinary_pair:
             break
-    return list(dict.fromkeys(found))
+    return tried

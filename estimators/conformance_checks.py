@@ -52,7 +52,7 @@ class Trial:
     def estimate(self, pair: EchoPair) -> DelayEstimate:
         """What the estimator gives, in the state that it came in; Malformed where that has not the form."""
         estimate = self.as_it_came().estimate(pair)
-        wrong = list(_form(estimate, pair.shape))
+        wrong = list(form(estimate, pair.shape))
         if wrong:
             raise Malformed(*wrong)
         return estimate
@@ -65,7 +65,8 @@ class Trial:
             return self.estimator
 
 
-def _form(estimate: DelayEstimate, shape: tuple[int, int]) -> Iterator[str]:
+def form(estimate: DelayEstimate, shape: tuple[int, int]) -> Iterator[str]:
+    """What keeps an estimate of a pair of a shape from being one."""
     absent = [name for name in (*NUMBERS, "valid") if not hasattr(estimate, name)]
     if absent:
         yield f"it gives a {type(estimate).__name__} without {', '.join(absent)}; it must give a DelayEstimate"

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.moving_sum import window_sum
-from sim import EchoPair, checks
+from sim import EchoPair, PairFile, checks
 from sim.band import Band, Real
 
 Sizes = NDArray[np.int64]
@@ -53,7 +53,7 @@ class FixedWindow:
         """Pixels in it."""
         return self.rows * self.samples
 
-    def check(self, pair: EchoPair) -> None:
+    def check(self, pair: EchoPair | PairFile) -> None:
         """ValueError where the window is larger than the pair."""
         for name, size, available in zip(("rows", "samples"), self.extent, pair.shape, strict=True):
             if size > available:

@@ -260,14 +260,22 @@ def _stored(path: Path) -> Iterator[Mapping[str, Any]]:
     with path.open("rb") as file:
         start = file.read(8)
     if start == b"\x89HDF\r\n\x1a\n":
-        options = {"decode_times": False, "cache": False, "phony_dims": "access"}
-        with xarray_with_h5netcdf().open_dataset(path, engine="h5netcdf", **options) as dataset:
+        with _opened(path) as dataset:
             yield {str(name): dataset[name] for name in dataset.variables}
     elif start.startswith(b"PK"):
         with npz_rows(path) as arrays:
             yield arrays
     else:
         raise ValueError("it is neither netCDF-4, HDF5 nor npz; it must be one of them")
+
+
+def _opened(path: Path) -> Any:
+    """A netCDF or HDF5 file; ValueError where it is damaged, or points at what is not there."""
+    xarray = xarray_with_h5netcdf()
+    try:
+        return xarray.open_dataset(path, engine="h5netcdf", decode_times=False, cache=False, phony_dims="access")
+    except (OSError, KeyError, RuntimeError, AttributeError, TypeError, IndexError) as error:
+        raise ValueError(f"it cannot be read, {type(error).__name__}: {error}") from None
 
 
 def _units(name: str) -> str | None:

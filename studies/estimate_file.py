@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import DelayEstimate, Estimator, FixedWindow
+from estimators.conformance_checks import form
 from estimators.depth import depth_map
 from sim import EchoPair, PairFile, checks, open_pair
 from sim.band import Real
@@ -112,7 +113,10 @@ def estimate_file(
         raise ValueError(f"out is {out}; it must end with .nc")
     if out.exists() and path.exists() and out.samefile(path):
         raise ValueError(f"out is {out}, the file that is read; it must be another")
+    if out.is_dir():
+        raise ValueError(f"out is {out}, a folder; it must be a file")
     with open_pair(path) as file:
+        size.check(file)
         whole, reach = _along_track(size, section.options)
         rows = _block_rows(file, whole, block)
         words = {"source": f"{estimator} with a window of {size} pixels"}
@@ -187,12 +191,16 @@ def _fields(pair: EchoPair, estimator: Estimator, window: FixedWindow) -> Iterat
 
 
 def _estimate(pair: EchoPair, estimator: Estimator) -> DelayEstimate:
+    name = type(estimator).__name__
     try:
-        return estimator.estimate(pair)
+        estimate = estimator.estimate(pair)
     except (ValueError, MemoryError):
         raise
-    except Exception as error:  # One's own may do anything.
-        raise ValueError(f"{type(estimator).__name__} failed: {words_of(error)}") from None
+    except (Exception, SystemExit) as error:  # One's own may do anything.
+        raise ValueError(f"{name} failed: {words_of(error)}") from None
+    for wrong in form(estimate, pair.shape):
+        raise ValueError(f"{name} gave what is no estimate: {wrong}")
+    return estimate
 
 
 def _decibels(pair: EchoPair) -> Real:

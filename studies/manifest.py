@@ -129,6 +129,8 @@ def read(folder: Path) -> dict[str, Any]:
         found: dict[str, Any] = json.loads((folder / NAME).read_text())
         whole = all(isinstance(found[key], kind) for key, kind in kinds.items())
         whole = whole and bool(found["runs"]) and all(isinstance(run, dict) for run in found["runs"])
+        of_estimators = (value for key, value in found["fixed"].items() if key.startswith("estimators."))
+        whole = whole and all(isinstance(value, dict) and "method" in value for value in of_estimators)
     except (OSError, ValueError, TypeError, KeyError):
         whole = False
     if not whole:

@@ -149,4 +149,5 @@ def expected_wrap_rate(estimator: Estimator, looks: float, coherence: float, son
 
 def expected_std(estimator: Estimator, looks: float, coherence: float, sonar: Sonar) -> float:
     """Spread to expect in the right wrap of an estimator whose phase has so many looks [s]."""
-    return float(predicted_delay_std(estimator, looks, coherence, sonar))
+    reads = Interferogram(estimator.phase) if isinstance(estimator, TwoWindow) else estimator
+    return float(predicted_delay_std(reads, looks, coherence, sonar))

@@ -65,9 +65,6 @@ TRIALS = {
 
 ONE_BAND = {"sonar.bandwidth": ["30 kHz"], "patch.snr": [-4, 0, 4, 8, 12, 16, 20]}
 
-STALE: dict[str, tuple[str, ...]] = {}
-"""Columns of an earlier form of what estimates say of themselves; the README says so too."""
-
 
 def kept(name):
     return pd.read_csv(RESULTS / name / "table.csv")
@@ -184,7 +181,7 @@ def test_trials_are_reproduced(name, estimators, clusters, tmp_path):
     if "ground_range" in fresh:
         fresh = fresh[(fresh.ground_range > 396) & (fresh.ground_range < 404)]
     assert list(fresh.columns) == list(kept(name).columns)
-    found = of_trials(kept(name), fresh, labels(study), clusters=clusters, stale=STALE.get(name, ()))
+    found = of_trials(kept(name), fresh, labels(study), clusters=clusters)
     assert len(found.found) > 100
     assert found.beyond(FALSE_ALARM) == []
     wrong = kept(name).assign(delay_std_in_wrap=kept(name).delay_std_in_wrap * 2)

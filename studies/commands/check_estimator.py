@@ -5,8 +5,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from estimators.conformance import findings
-from estimators.conformance_checks import CHECKS
+from estimators.conformance import examined
 from studies.commands.terminal import console, one_line_errors
 from studies.estimate_file import fixed_window
 from studies.method import EstimatorSection, Method
@@ -26,11 +25,12 @@ def check_estimator(
             raise ValueError(f"window has {size.pixels} pixels; it must have {MOST_PIXELS} at the most")
         made = Method(EstimatorSection(name="checked", method=estimator), size).build(np.random.default_rng(0))
     shape = max(9, size.rows), max(256, 2 * size.samples)
-    found = findings(made, shape=shape, window=size)
+    tried = examined(made, shape=shape, window=size)
+    found = list(dict.fromkeys(said for of_check in tried.values() for said in of_check))
     for said in found:
         console.print(" ".join(said.split()), soft_wrap=True)
     counted = f"{len(found)} findings" if len(found) != 1 else "1 finding"
     where = f"with a window of {size} pixels, on {shape[0]} x {shape[1]} samples of simulated speckle"
-    console.print(f"{estimator}: {counted}, {where}. Checked: {', '.join(CHECKS)}.", soft_wrap=True)
+    console.print(f"{estimator}: {counted}, {where}. Checked: {', '.join(tried)}.", soft_wrap=True)
     if found:
         raise typer.Exit(1)

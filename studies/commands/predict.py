@@ -36,7 +36,9 @@ def predict(
         seabeds: list[str | None] = [None] if coherence is not None else list(sediment or ["coarse sand"])
         if coherence is not None and sediment:
             raise ValueError("coherence and sediment are both given; it must be one of them")
+        checks.within("near", near, 0.0, 1e6, "m")
         checks.within("far", far, near, 1e6, "m")
+        checks.within("ranges", ranges, 1, 1e6)
         found = [
             prediction.predict(
                 prediction.sonar_of(sonar),

@@ -55,7 +55,7 @@ def said(found: Tuned, source: str) -> str:
     ]
     shown = [("next cheaper", found.cheaper), ("cheapest that meets it", found.best), ("next better", found.better)]
     if found.best is None:
-        lines.append(f"no setting meets it{_needed(found)}")
+        lines.append(f"{_none(found)}{_needed(found)}")
         shown = [("nearest", found.nearest)]
     rows = [_row(role, one) for role, one in shown if one is not None]
     lines.append(pd.DataFrame(rows).to_string(index=False))
@@ -68,7 +68,7 @@ def said(found: Tuned, source: str) -> str:
         setting = found.best.setting
         windows = (FixedWindow(1, samples) for samples in (where.looks, where.looks_of(setting.wide)))
         lines.append(f"in Python, with a sample for each look: {setting.build(*windows)}")
-    lines.append("99 % intervals in brackets; quartiles of the time; a copy is that of both series")
+    lines.append("99 % intervals in brackets; quartiles of the time; a copy is that of both series; trials of the STD")
     return "\n".join(lines)
 
 
@@ -88,6 +88,14 @@ def _row(role: str, one: Judged) -> dict[str, str]:
 def _interval(interval: Interval, digits: str) -> str:
     value, low, high = (format(number, digits) for number in interval)
     return f"{value} [{low}, {high}]"
+
+
+def _none(found: Tuned) -> str:
+    """That none does, or that so many trials do not tell."""
+    open_ones = sum(not one.beyond(found.tolerance) for one in found.judged)
+    if not open_ones:
+        return "no setting meets it"
+    return f"no setting is confirmed to meet it; {open_ones} are not ruled out by so many trials"
 
 
 def _needed(found: Tuned) -> str:

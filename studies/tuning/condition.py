@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from estimators import CrossCorrelation, FixedWindow, bounds
 from sim import Sonar, checks
 from studies.patch import Patch
@@ -36,7 +38,9 @@ class Tolerance:
 
     def excess(self, std_over_crlb: float, wrap_rate: float) -> float:
         """How many times as large as allowed the worse of both is."""
-        return max(std_over_crlb / self.std_over_crlb, wrap_rate / self.wrap_rate)
+        worse = np.maximum(std_over_crlb / self.std_over_crlb, wrap_rate / self.wrap_rate)
+        # Of what gave no number nothing is near.
+        return float(np.nan_to_num(worse, nan=np.inf, posinf=np.inf))
 
 
 @dataclass(frozen=True)
@@ -105,11 +109,11 @@ class Condition:
             rate = expected_wrap_rate(estimator, looks, self.coherence, self.sonar, self.delay)
             return tolerance.excess(std, rate) <= 1
 
-        low, high = 2, 4
-        while high <= MOST_LOOKS and not enough(high):
-            low, high = high, 2 * high
-        if high > MOST_LOOKS:
+        if not enough(MOST_LOOKS):
             return None
+        low, high = 2, 4
+        while not enough(high):
+            low, high = high, min(2 * high, MOST_LOOKS)
         while high - low > 1:
             middle = (low + high) // 2
             low, high = (low, middle) if enough(middle) else (middle, high)

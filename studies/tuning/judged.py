@@ -39,7 +39,8 @@ class Judged:
     std_over_crlb, wrap_rate
         With their 99 % intervals, of the last simulation of it; predicted, with no width, where there was none.
     trials
-        Of that simulation; 0 where there was none.
+        Of that simulation, which gave the spread; 0 where there was none. Rates that these are too few for come from
+        others, in which rare errors are frequent; a rate that is 0 by theory, and was, has no width.
     rmse_over_crlb
         Of the simulation in which all settings see the same echoes, wraps included; NaN where it was left out.
     fails
@@ -108,11 +109,14 @@ class Records:
         std, rmse = statistics.std_in_wrap(moments), statistics.rmse(moments)
         half = HALF_WIDTH * std.error
         few = rare and self.tolerance.wrap_rate * self.trials(wide) < FEW_ERRORS
-        wraps = self._moments(one.setting, rare=True) if few else moments
+        # What cannot err, as a phase alone where there is no delay, has no rare errors to be drawn.
+        never = self.condition.predicted(one.setting)[1] == 0 == moments.wrap_errors
+        wraps = self._moments(one.setting, rare=True) if few and not never else moments
+        rate = statistics.clopper_pearson(wraps, "wrong", confidence=CONFIDENCE)
         return replace(
             one,
             std_over_crlb=Interval(std.value / crlb, (std.value - half) / crlb, (std.value + half) / crlb),
-            wrap_rate=statistics.clopper_pearson(wraps, "wrong", confidence=CONFIDENCE),
+            wrap_rate=Interval(0.0, 0.0, 0.0) if never else rate,
             rmse_over_crlb=rmse.value / crlb,
             trials=moments.trials,
         )

@@ -88,9 +88,9 @@ def tune(
     predicts far beyond the tolerance are left out. The others see the same echoes, periodic records of as many looks as
     the window has (`studies.patch`), and fail where a 99 % interval lies beyond it. The rest are measured again, from
     the cheapest on, on fresh echoes until one has both its intervals within: so one that is just beyond passes in at
-    most .5 % of cases, and what is reported was not chosen for being low. Where fewer than `FEW_ERRORS` wrong wraps are
-    to be expected of these echoes, the rate is that of records in which rare errors are frequent
-    (`sim.rare_speckle_pair`); errors that it has no rival for would be missed.
+    most .5 % of cases. Numbers are those of the fresh echoes; of settings near the limit only those pass that happen to
+    be low on them. Where fewer than `FEW_ERRORS` wrong wraps are to be expected of these echoes, the rate is that of
+    records in which rare errors are frequent (`sim.rare_speckle_pair`); errors that it has no rival for are missed.
 
     Parameters
     ----------

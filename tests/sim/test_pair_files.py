@@ -240,10 +240,34 @@ def test_what_is_no_such_file_is_one_line(tmp_path):
     with pytest.raises(ValueError, match="it is not an npz file"):
         read_pair(tmp_path / "zip.npz")
     (tmp_path / "cut.nc").write_bytes(b"\x89HDF\r\n\x1a\n and nothing")
-    with pytest.raises(OSError, match=r"truncated|signature|open"):
+    with pytest.raises(ValueError, match=r"cut\.nc: it cannot be read, OSError: .*(truncated|signature|open)"):
         read_pair(tmp_path / "cut.nc")
     with pytest.raises(ValueError, match=r"it must end with \.nc, \.h5, \.hdf5 or \.npz"):
         write_pair(pair_of(), tmp_path / "pair.mat")
+
+
+# Of a file that it could not open h5netcdf says so once more when it is collected.
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_a_damaged_file_is_a_value_error_that_names_it(tmp_path):
+    """Bytes overwritten anywhere give samples or one line."""
+    import h5py
+
+    write_pair(pair_of(), tmp_path / "pair.nc")
+    whole = (tmp_path / "pair.nc").read_bytes()
+    rng = np.random.default_rng(11)
+    refused = []
+    for place in [8, 100, len(whole) - 200, *rng.integers(8, len(whole) - 16, 60)]:
+        (tmp_path / "damaged.nc").write_bytes(whole[:place] + b"\xff" * 16 + whole[place + 16 :])
+        try:
+            read_pair(tmp_path / "damaged.nc")
+        except ValueError as error:
+            refused.append(str(error))
+    assert len(refused) > 2
+    assert all("damaged.nc" in said for said in refused)
+    with h5py.File(tmp_path / "pair.nc", "a") as file:
+        del file["time"]
+    with pytest.raises(ValueError, match=r"pair\.nc: it cannot be read, "):
+        read_pair(tmp_path / "pair.nc")
 
 
 class Trap:

@@ -137,6 +137,16 @@ class Broken:
 
     def estimate(self, pair):
         return 1 / 0
+
+
+class Leaves(Broken):
+    def estimate(self, pair):
+        raise SystemExit(0)
+
+
+class Speaks(Broken):
+    def estimate(self, pair):
+        return "no delay"
 """
 
 
@@ -177,6 +187,10 @@ def test_no_more_than_a_block_is_read_at_a_time(folder, tmp_path, monkeypatch):
             ["good.npz", "--estimator", "my_broken:nothing"],
             "method is 'my_broken:nothing'; it must be an object",
         ),
+        (["good.npz", "--estimator", "my_broken:Leaves"], "good.npz: Leaves failed: SystemExit: 0"),
+        (["good.npz", "--estimator", "my_broken:Speaks"], "good.npz: Speaks gave what is no estimate: it gives a str"),
+        (["good.npz", "--window", "999999999x999999999"], "good.npz: the window has 999999999 rows; the pair has 12"),
+        (["good.npz", "--out", "folder.nc"], "out is folder.nc, a folder; it must be a file"),
         (["good.npz", "--search", "-1"], "good.npz: search is -1 s; it must be above 0 s"),
         (["good.npz", "--search", "1"], "good.npz: search is 1 s; it must not exceed half the record"),
         (["good.npz", "--block", "0"], "good.npz: block is 0; it must be a whole number of at least 1"),
@@ -193,6 +207,7 @@ def test_bad_input_is_one_line_and_status_2(arguments, message, tmp_path, monkey
     np.savez("bare.npz", primary=good, secondary=good)
     (tmp_path / "text.nc").write_text("hello")
     (tmp_path / "my_broken.py").write_text(BROKEN)
+    (tmp_path / "folder.nc").mkdir()
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     before = set(tmp_path.iterdir())

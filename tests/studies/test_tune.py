@@ -215,3 +215,26 @@ def test_better_is_less_of_one_and_not_more_of_the_other():
     assert not _errs_less(judged(1.0199, 1e-3), best)
     assert not _errs_less(judged(1.01, 2e-3), best)
     assert not _errs_less(judged(1.05, 1e-4), best)
+
+
+def test_a_phase_alone_is_enough_where_there_is_no_delay():
+    """A delay of zero is right whatever the phase: 1e-3 is met without a rare error to be drawn."""
+    found = tuned(looks=33, coherence=0.9, delay=0.0, over_bound=0.2, rng=np.random.default_rng(8))
+    assert found.best.setting.estimator == "interferogram"
+    assert found.best.wrap_rate == (0, 0, 0)
+
+
+def test_two_windows_are_nearest_where_they_are():
+    """Where one window leaves a fifth of the wraps wrong, one three times as large leaves 1 %."""
+    found = tuned(looks=9, coherence=0.8, delay=1.5, rng=np.random.default_rng(9))
+    assert found.best is None
+    assert found.nearest.setting.estimator == "two-window"
+    assert all(np.isfinite(one.excess(found.tolerance)) for one in found.judged)
+    one, three = (bounds.cross_correlation_wrap_error_probability(looks, 0.8, 0.3) for looks in (9, 27))
+    assert one > 10 * three
+
+
+@pytest.mark.parametrize(("coherence", "looks"), [(0.124, (4096, 5000))])
+def test_looks_needed_are_found_up_to_the_most(coherence, looks):
+    found = Condition(SONARS["hisas-100khz"], looks=9, coherence=coherence).looks_needed(Tolerance(0.05, 1e-3))
+    assert looks[0] < found <= looks[1]

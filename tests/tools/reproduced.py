@@ -59,7 +59,6 @@ def of_trials(
     on: Sequence[str],
     *,
     clusters: Clusters | None = None,
-    stale: Sequence[str] = (),
 ) -> Surprises:
     """Two tables of trials.
 
@@ -77,8 +76,6 @@ def of_trials(
     signed = list(_rates(both)) if independent else list(_clustered_rates(both))
     signed += [*_means(both), *_spreads(both, both[fixed]), _claims(both)]
     for column, rows, z, p in signed:
-        if column in stale:
-            continue
         surprises.add(column, rows, on, p)
         if clusters is None:
             for name, of_name in rows.assign(z=z).groupby("estimator"):
@@ -196,11 +193,16 @@ def _claims(both: pd.DataFrame) -> Compared:
 def of_errors_given(kept: pd.DataFrame, fresh: pd.DataFrame, on: Sequence[str], leave_out: Sequence[str]) -> Surprises:
     """Two tables by the columns that have a standard error beside them, `_se`, or the ends of an interval of 95 %.
 
+    Columns that no chance is in are to be the same.
+
     Rows of fewer than `ENOUGH` trials, and columns whose names hold one of some words, are left out.
     """
     both, surprises = matched(kept, fresh, on).copy(), Surprises()
     if "trials" in kept:
         both = both[(both.trials_fresh - both.wrap_errors_fresh) >= ENOUGH]
+    for column in (c for c in EXACT if c in kept and c not in on):
+        same = np.isclose(both[column], both[f"{column}_fresh"], rtol=1e-6, atol=0, equal_nan=True)
+        surprises.add(column, both, on, same.astype(float))
     for end in ("_se", "_low"):
         for column in (name.removesuffix(end) for name in kept.columns if name.endswith(end)):
             if column in kept and not any(word in column for word in leave_out):
