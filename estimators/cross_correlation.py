@@ -42,6 +42,7 @@ class CrossCorrelation:
     lags_per_resolution: int = 4
 
     def __post_init__(self) -> None:
+        checks.flag("refine", self.refine)
         checks.count("lags_per_resolution", self.lags_per_resolution, least=4)
 
     def estimate(self, pair: EchoPair) -> DelayEstimate:

@@ -52,6 +52,7 @@ class MultiChromatic:
     refine: bool = True
 
     def __post_init__(self) -> None:
+        checks.flag("refine", self.refine)
         checks.count("bands", self.bands, least=2)
 
     def estimate(self, pair: EchoPair) -> DelayEstimate:

@@ -100,13 +100,12 @@ def _combined(pair: EchoPair, single: DelayEstimate, window: FixedWindow, looks:
         summed = window.sum(weight * np.where(known, of, 0.0))
         return np.broadcast_to(np.divide(summed, total, out=np.zeros_like(total), where=total > 0), pair.shape)
 
-    # Of neighbours that are not valid none counts.
-    there = window.sum(known.astype(float)) / (window.rows * window.samples)
-    independent = np.maximum(window.looks(pair) / looks * there, 1.0)
+    pixels, independent = window.rows * window.samples, window.looks(pair) / looks
     if single_pixels:
-        pixels = window.rows * window.samples
         claimed = np.divide(pixels, total, out=np.full_like(total, 1 / 12), where=total > 0)
     else:
+        # Of neighbours that are not valid none counts; the weights of single pixels say so themselves.
+        independent = independent * window.sum(known.astype(float)) / pixels
         claimed = np.where(total > 0, mean(variance), 1 / 12)
     near = mean(single.delay)
     phasors = window.sum(weight * np.exp(2j * np.pi * np.where(known, single.delay, 0.0) / wrap))
@@ -116,7 +115,7 @@ def _combined(pair: EchoPair, single: DelayEstimate, window: FixedWindow, looks:
         "delay": near + (turns - near / wrap - np.rint(turns - near / wrap)) * wrap,
         "coherence": mean(single.coherence),
         "debiased_coherence": mean(single.debiased_coherence),
-        "delay_std": np.broadcast_to(wrap * np.sqrt(claimed / independent), pair.shape),
+        "delay_std": np.broadcast_to(wrap * np.sqrt(claimed / np.maximum(independent, 1.0)), pair.shape),
         "wrap_error_probability": wrong,
         "quality": 1 - wrong,
         "valid": (window.inside(pair) & (total > 0)).astype(float),

@@ -73,6 +73,7 @@ class FullBandPhaseSlope:
     start: Start | None = None
 
     def __post_init__(self) -> None:
+        checks.flag("refine", self.refine)
         checks.count("lags_per_resolution", self.lags_per_resolution, least=4)
         if self.peak not in PEAKS:
             raise ValueError(f"peak is {self.peak!r}; it must be one of {', '.join(PEAKS)}")

@@ -48,6 +48,7 @@ class SplitSpectrum:
     refine: bool = True
 
     def __post_init__(self) -> None:
+        checks.flag("refine", self.refine)
         if self.sub_bandwidth is not None:
             checks.positive("sub_bandwidth", self.sub_bandwidth, "Hz")
 

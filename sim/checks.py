@@ -48,6 +48,12 @@ def within(name: str, value: float, low: float, high: float, unit: str = "") -> 
     return given
 
 
+def flag(name: str, value: bool) -> None:
+    """ValueError unless it is true or false: text is true too, whatever it says."""
+    if not isinstance(value, bool | np.bool_):
+        raise ValueError(f"{name} is {value!r}; it must be true or false")
+
+
 def count(name: str, value: int, least: int = 1) -> int:
     """Return `value` as an int; ValueError unless it is a whole number of at least `least`."""
     try:

@@ -6,6 +6,7 @@ Which variables a file has, `sim.pair_layout` says.
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -100,6 +101,7 @@ class PairFile:
     def __post_init__(self) -> None:
         for name in self.stored:
             self._check_units(name)
+            self._check_name(name)
         self._check_series()
         self._check_axis("time", 1, 1 / self._number("sample_rate"))
         self._check_axis("along_track", 0, self.row_spacing)
@@ -139,6 +141,11 @@ class PairFile:
             altitude=self._number("altitude"),
             sound_speed=self._number("sound_speed"),
         )
+        furthest = float(self.times[-1]) * sonar.sound_speed / 2
+        if sonar.altitude >= furthest:
+            raise ValueError(
+                f"altitude is {sonar.altitude:g} m; it must be below the largest slant range, {furthest:g} m"
+            )
         return Geometry(sonar, float(self.times[0]))
 
     def places(self) -> Real | None:
@@ -229,6 +236,13 @@ class PairFile:
                 f"{name} is up to {off:.3g} {_units(name)} off even steps of {step:g} {_units(name)}; it must rise "
                 f"evenly, within {EVEN:g} steps"
             )
+
+    def _check_name(self, name: str) -> None:
+        """ValueError for what is nearly the name of a variable that is not there: it would be ignored."""
+        absent = [known for known in ATTRIBUTES if known not in self.stored]
+        if name not in ATTRIBUTES and not name.startswith(("primary", "secondary")):
+            for meant in get_close_matches(name, absent, 1, 0.8):
+                raise ValueError(f"{name} is no variable of a pair; it must be {meant}, or have another name")
 
     def _check_units(self, name: str) -> None:
         given = getattr(self.stored[name], "attrs", {}).get("units")

@@ -119,7 +119,8 @@ def estimate_file(
         size.check(file)
         whole, reach = _along_track(size, section.options)
         rows = _block_rows(file, whole, block)
-        words = {"source": f"{estimator} with a window of {size} pixels"}
+        given = "".join(f", {name} = {value}" for name, value in options.items())
+        words = {"source": f"{estimator} with a window of {size} pixels{given}"}
         with _created(out, file, words) as variables:
             bad, valid = 0, 0
             for start in range(0, file.shape[0], rows):

@@ -20,6 +20,10 @@ from estimators import (
         (lambda: FullBandPhaseSlope(peak="last"), "peak is 'last'; it must be one of first, strongest"),
         (lambda: SplitSpectrum(FixedWindow(1, 9), sub_bandwidth=-2.0), "sub_bandwidth is -2 Hz; it must be above 0 Hz"),
         (lambda: MultiChromatic(FixedWindow(1, 9), bands=1), "bands is 1; it must be a whole number of at least 2"),
+        (lambda: CrossCorrelation(FixedWindow(1, 9), refine="no"), "refine is 'no'; it must be true or false"),
+        (lambda: SplitSpectrum(FixedWindow(1, 9), refine=0), "refine is 0; it must be true or false"),
+        (lambda: MultiChromatic(FixedWindow(1, 9), refine=None), "refine is None; it must be true or false"),
+        (lambda: FullBandPhaseSlope(refine="False"), "refine is 'False'; it must be true or false"),
         (lambda: TwoWindow(FixedWindow(1, 9)), r"wrap is FixedWindow\(.*\); it must be an estimator, .*"),
         (
             lambda: TwoWindow(Interferogram(), lags_per_resolution=2),

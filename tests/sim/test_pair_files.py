@@ -302,3 +302,20 @@ def test_without_the_extra_it_says_so(monkeypatch, tmp_path):
             act()
     write_pair(pair_of(), tmp_path / "pair.npz")
     assert read_pair(tmp_path / "pair.npz").shape == (3, 40)
+
+
+def test_a_name_that_is_nearly_one_is_not_ignored(tmp_path):
+    """`row_looks` misspelled would make every claimed spread too small."""
+    for wrong, meant in (("rowlooks", "row_looks"), ("center_frequency", "centre_frequency"), ("altitud", "altitude")):
+        given = {name: value for name, value in arrays().items() if name != meant}
+        np.savez(tmp_path / "pair.npz", **given, **{wrong: 0.5})
+        with pytest.raises(ValueError, match=f"{wrong} is no variable of a pair; it must be {meant}, or"):
+            read_pair(tmp_path / "pair.npz")
+    np.savez(tmp_path / "pair.npz", **arrays(), depth_of_the_wreck=3.0)
+    read_pair(tmp_path / "pair.npz")
+
+
+def test_a_sonar_above_all_of_its_echoes_is_refused(tmp_path):
+    np.savez(tmp_path / "pair.npz", **(arrays() | {"altitude": 1500.0}))
+    with pytest.raises(ValueError, match=r"altitude is 1500 m; it must be below the largest slant range, 30\.5"):
+        read_pair(tmp_path / "pair.npz")
