@@ -22,7 +22,7 @@ class DelayEstimate:
         Absolute delay [s].
     phase
         Of the lag product at that delay, `2 pi fc delay` modulo `2 pi` where the phase refines the delay [rad], in
-        (-pi, pi].
+        (-pi, pi]. Of maximum likelihood, which finds the passband's peak, it differs from that by some 8 % of its STD.
     coherence
         Sample coherence at that delay, 0 to 1; biased upward, and always 1 for a single look.
     debiased_coherence
@@ -34,14 +34,15 @@ class DelayEstimate:
         range.
     wrap_error_probability
         Predicted probability that the delay is off by half a wrap or more, given the window's correlation at the rival
-        wraps (`estimators.wrap_doubt`). Over scenes of all coherences it is the rate; at a single high coherence, which
-        the window does not know, it is on average above it.
+        wraps (`estimators.wrap_doubt`). Of searches, over scenes of all coherences and delays within half a wrap, it is
+        the rate within some 5 % (study `reliability`); at a single high coherence, which the window does not know, it
+        is on average above it.
     quality
         0 (worthless) to 1: the probability that the wrap is right. Of the metrics of `estimators.quality` it tells
         wrong wraps best.
     valid
-        Where the window lay inside the record, held an echo and came near no missing sample, and the search ended
-        inside its range.
+        Where the window lay inside the record, held an echo and came near no missing sample nor silence, and the search
+        ended inside its range.
     """
 
     delay: Real

@@ -13,17 +13,6 @@ from estimators.posterior import beyond_edge
 from estimators.search import describe
 from estimators.windows import FixedWindow, Window, WindowPolicy
 from sim import EchoPair
-from sim.band import Complex
-
-
-def zero_lag(primary: Complex, secondary: Complex, window: Window) -> Peak:
-    """Windowed product of the series at zero delay."""
-    return Peak(
-        delay=np.zeros(()),
-        product=window.sum(primary.conj() * secondary),
-        energy=np.sqrt(window.sum(power(primary)) * window.sum(power(secondary))),
-        inside=np.ones((), dtype=np.bool_),
-    )
 
 
 @dataclass(frozen=True)

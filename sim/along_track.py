@@ -34,7 +34,7 @@ class AlongTrack:
     spacing
         Distance of rows [m].
     resolution
-        `dx` [m], not below half the spacing; from the spacing on down rows are independent.
+        `dx` [m]; from the spacing on down rows are independent.
 
     Raises
     ------

@@ -34,10 +34,7 @@ class Streams:
         return np.random.default_rng(np.random.SeedSequence(self.entropy, spawn_key=(use, row % 2**32)))
 
     def gaussian(self, use: Use, rows: range, amplitude: Real) -> Complex:
-        """Circular complex Gaussian numbers of root mean square amplitudes, shape (count,) or (rows, count).
-
-        Shape (rows, count).
-        """
+        """Circular complex Gaussian numbers, shape (rows, count), of root mean square amplitudes (count,) or alike."""
         numbers = np.empty((len(rows), amplitude.shape[-1]), dtype=np.complex128)
         half = np.sqrt(0.5) * amplitude
         for place, row, share in zip(numbers, rows, np.broadcast_to(half, numbers.shape), strict=True):

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from estimators import FixedWindow, Interferogram, MultiChromatic, SplitSpectrum
-from estimators.interferogram import zero_lag
+from estimators.interference import interferogram
 from estimators.lag_product import extended, lag_product, lag_series, upsampled
 from estimators.matrix import band, everything, family, window
 from estimators.sub_bands import band_pass, band_share
@@ -49,8 +49,8 @@ def sub_bands(draw):
 @given(SAMPLES, SEED)
 def test_zero_lag_interferogram_is_the_whole_matrix(samples, seed):
     primary, secondary = series_of(samples, seed)
-    found = zero_lag(primary[None], secondary[None], FixedWindow(1, 1)).product[0]
-    agree(found, family(primary, secondary, everything))
+    found, _ = interferogram(primary[None], secondary[None], 1, 1, circular=True)
+    agree(found[0], family(primary, secondary, everything))
 
 
 @few
