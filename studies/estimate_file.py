@@ -109,12 +109,7 @@ def estimate_file(
     size = fixed_window(window)
     section = EstimatorSection(name="estimate", method=estimator, options=options)
     made = Method(section, size).build(np.random.default_rng(0))
-    if out.suffix != ".nc":
-        raise ValueError(f"out is {out}; it must end with .nc")
-    if out.exists() and path.exists() and out.samefile(path):
-        raise ValueError(f"out is {out}, the file that is read; it must be another")
-    if out.is_dir():
-        raise ValueError(f"out is {out}, a folder; it must be a file")
+    _check_out(out, path)
     with open_pair(path) as file:
         size.check(file)
         whole, reach = _along_track(size, section.options)
@@ -151,6 +146,16 @@ def _along_track(window: FixedWindow, options: Options) -> tuple[int, int]:
     rows = [window.rows, *rows_in(options)]
     whole = math.lcm(*rows)
     return whole, -(-sum(rows) // whole) * whole
+
+
+def _check_out(out: Path, path: Path) -> None:
+    """ValueError where estimates cannot be written, before any is made."""
+    if out.suffix != ".nc":
+        raise ValueError(f"out is {out}; it must end with .nc")
+    if out.exists() and path.exists() and out.samefile(path):
+        raise ValueError(f"out is {out}, the file that is read; it must be another")
+    if out.is_dir():
+        raise ValueError(f"out is {out}, a folder; it must be a file")
 
 
 def _block_rows(file: PairFile, whole: int, block: int | None) -> int:
