@@ -1,6 +1,7 @@
 """What every estimator must do, tried on one of your own."""
 
 import warnings
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -19,8 +20,8 @@ def findings(
 
     - it gives a `DelayEstimate` of arrays in the shape of the pair, real, `valid` of bool; so it does at a coherence of
       0 and of 1, of another shape, and of a record that is not periodic;
-    - what is valid is finite, shares and probabilities lie in 0 to 1, the phase in -pi to pi, the spread is
-      above 0;
+    - what is valid is finite, shares and probabilities lie in 0 to 1, the phase in -pi to pi, the spread is above
+      0;
     - at a coherence of .95 some is valid; silence is not, nor are missing samples;
     - receivers swapped negate the delay; a common gain or phase changes nothing, nor does the layout in memory; 0.2
       wraps of delay more or less move the estimate by it (in the median, within 0.02 wraps);
@@ -45,6 +46,11 @@ def findings(
         pair, nothing else is tried.
     """
     tried = examined(estimator, shape=shape, window=window)
+    return distinct(tried)
+
+
+def distinct(tried: Mapping[str, list[str]]) -> list[str]:
+    """What all checks that were tried found, each finding once."""
     return list(dict.fromkeys(said for found in tried.values() for said in found))
 
 

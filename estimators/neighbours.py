@@ -22,8 +22,8 @@ class CombinedNeighbours:
 
     Delays are weighted by the probability `1 - p` that their wrap is right, so that outliers, which know of themselves,
     hardly count. Of `n` pixels and `L` looks in the window, and `l` looks in the estimator's own, `L / l` are taken to
-    be independent, at least one, and of pixels of which some are not valid as many less: the mean has the mean variance
-    that they claim, times `l / L`. What single pixels
+    be independent, at least one, and less where not all pixels are valid: the mean has the mean variance that they
+    claim, times `l / L`. What single pixels
     claim tells the dark from the bright, where of windows it is mostly chance: they are weighted by `(1 - p) / sigma^2`
     instead, for the variance `n l / (L sum w)`.
 

@@ -25,13 +25,10 @@ FINER = 16
 
 
 def exact_interferogram(first: Complex, other: Complex) -> Complex:
-    """Windowed `sum conj(p) s` where the window lies inside, added up in long doubles one by one."""
+    """Windowed `sum conj(p) s` where the window lies inside, added up in long doubles."""
     product = (first.conj() * other).astype(np.clongdouble)
     for axis in (0, 1):
-        product = sum(
-            np.take(product, range(i, product.shape[axis] - SIZE + 1 + i), axis=axis)
-            for i in range(SIZE)  # type: ignore[assignment]
-        )
+        product = np.lib.stride_tricks.sliding_window_view(product, SIZE, axis).sum(axis=-1)
     return product.astype(np.complex128)
 
 

@@ -5,7 +5,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from estimators.conformance import examined
+from estimators.conformance import distinct, examined
 from studies.commands.terminal import console, one_line_errors
 from studies.estimate_file import fixed_window
 from studies.method import EstimatorSection, Method
@@ -26,7 +26,7 @@ def check_estimator(
         made = Method(EstimatorSection(name="checked", method=estimator), size).build(np.random.default_rng(0))
     shape = max(9, size.rows), max(256, 2 * size.samples)
     tried = examined(made, shape=shape, window=size)
-    found = list(dict.fromkeys(said for of_check in tried.values() for said in of_check))
+    found = distinct(tried)
     for said in found:
         console.print(" ".join(said.split()), soft_wrap=True)
     counted = f"{len(found)} findings" if len(found) != 1 else "1 finding"

@@ -219,7 +219,7 @@ def test_a_page_says_where_it_comes_from(tmp_path, commits, said):
 
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-in_a_browser = pytest.mark.skipif(BROWSER is None, reason="no chromium is installed")
+in_a_browser = pytest.mark.skipif(BROWSER is None, reason="no chromium is installed, and no Python package brings one")
 
 PROBE = """
 const report = {};
